@@ -1,0 +1,1 @@
+"""Reading trajectories and measuring them; the measuring functions take arrays and return values with errors."""

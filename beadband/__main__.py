@@ -1,0 +1,7 @@
+"""``python -m beadband``."""
+
+import sys
+
+from beadband.cli import main
+
+sys.exit(main())

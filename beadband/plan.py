@@ -1,0 +1,280 @@
+"""The plan: how many beads, which step, loss and frames a scene needs, each with its reason.
+
+The rules are fits to measured errors; the runs behind them are repeated by tests/test_convergence.py.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from beadband.errors import UsageError, explain
+from beadband.ring import FEWEST_BEADS
+from beadband.scene import PLANNED, Scene
+from beadband.wedge import StringLimit
+
+# Shares of the front's arrival time over which the rebound speed is the slope of the rear's path.
+SPEED_WINDOW = (0.4, 0.85)
+# Bending waves start to be self-similar after h/c0 and feel the residual tension long before t_x (see window()).
+WINDOW_AFTER = 1.0
+WINDOW_BEFORE = 0.25
+
+# Where the errors of the rebound speed and of the tip curvature reach half a per cent (tests/test_convergence.py):
+# bead spacing over the length of the held bending layer, and beads of a ring without bending.
+TOLERANCE_OF_RULES = 0.005
+CURVATURE_SPACING = 0.6
+SPEED_SPACING = 1.2
+FRONT_BEADS = 400
+COARSEST_SPACING = 1.5
+"""Beyond this share of the bending layer the tip curvature is not measured at all."""
+MOST_PLANNED_BEADS = 6000
+
+FRAMES = 60
+MOST_STEPS = 2_000_000_000
+STEP_SHARE = 0.6
+"""Share of the largest stable step that is used."""
+LOSS_BEADS = 0.2
+"""Numerical loss time in units of the time that a wave at sqrt(E/density) needs from bead to bead."""
+_REAR_FRAMES = 240
+_FEWEST_REAR_FRAMES = 120
+_FEWEST_REAR_STEPS = 4  # the fastest bending mode has a period of pi largest steps: averages must span it
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that a run needs to know beyond the physics; times in s."""
+
+    scene: Scene
+    """The scene with beads, step and loss filled in."""
+    beads: int
+    timestep_s: float
+    largest_timestep_s: float
+    loss_time_s: float
+    steps: int
+    frame_steps: int
+    """Steps from one frame of the whole ring to the next."""
+    rear_steps: int
+    """Steps from one frame of the rear to the next."""
+    string: StringLimit
+    front_arrival_s: float
+    reasons: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def unresolved_curvature(self) -> bool:
+        """Whether the beads are too coarse for the bending layer of the held tip."""
+        layer = bending_layer_m(self.scene)
+        return self.scene.strand(self.beads).spacing_m > COARSEST_SPACING * layer
+
+    @property
+    def frames(self) -> int:
+        return self.steps // self.frame_steps
+
+
+@dataclass(frozen=True)
+class SimilarityWindow:
+    """When the tip's curvature may follow t^(-1/2); times in s, None where there is no such time."""
+
+    start_s: float
+    end_s: float
+    reason: str | None
+    """Why there is no window, if there is none."""
+
+
+def similarity_window(scene: Scene, string: StringLimit) -> SimilarityWindow:
+    """The self-similar window from the physical scales alone.
+
+    It opens once the beam is slender for its bending waves (h/c0) and has forgotten the held shape
+    (2.5 l^2/a_b, l the length of the held bending layer), and closes at a quarter of
+    t_x = a_b density (1 + strain1)/stress1, when the residual tension begins to pull the rear straight.
+    """
+    if scene.bending_stiffness_n_m2 == 0.0:
+        return SimilarityWindow(math.nan, math.nan, "without bending there is no curvature to follow")
+    diffusivity = scene.strand(FEWEST_BEADS).bending_diffusivity_m2_s
+    start = WINDOW_AFTER * max(
+        scene.band.thickness_m / scene.band.bar_speed_m_s, 2.5 * bending_layer_m(scene) ** 2 / diffusivity
+    )
+    density, residual = scene.band.density_kg_m3, string
+    crossover = diffusivity * density * (1.0 + residual.residual_strain) / residual.residual_stress_pa
+    end = min(WINDOW_BEFORE * crossover, front_arrival_s(scene, string))
+    if end < 1.5 * start:
+        return SimilarityWindow(
+            start,
+            end,
+            f"no self-similar window: the held shape is forgotten only after {start:.3g} s, "
+            f"and the residual tension is felt from {end:.3g} s on",
+        )
+    return SimilarityWindow(start, end, None)
+
+
+def bending_layer_m(scene: Scene) -> float:
+    """Reference length over which the held tip turns into the straight leg, l = sqrt(EI/(T (1 + strain)))."""
+    tension = scene.band.area_m2 * float(scene.material.stress(1.0 + scene.strain))
+    return math.sqrt(scene.bending_stiffness_n_m2 / (tension * (1.0 + scene.strain)))
+
+
+def front_arrival_s(scene: Scene, string: StringLimit) -> float:
+    """When the front of the string limit has run through a leg, t_f = l0/(front speed)."""
+    return scene.wedge.reference_leg_m / string.front_speed_m_s
+
+
+def plan_of(scene: Scene) -> Plan:
+    """Choose what the scene leaves open; UsageError for a choice of the user's that can't work."""
+    if scene.until == "launch":
+        raise UsageError(
+            explain(
+                "the launch is not part of this version", "--until launch", "--until release", "leave --until out"
+            )
+        )
+    string = scene.string
+    reasons: list[str] = []
+    warnings: list[str] = []
+    beads = scene.beads or _choose_beads(scene, reasons, warnings)
+    if beads < FEWEST_BEADS:
+        raise UsageError(explain("too few beads", beads, f"{FEWEST_BEADS} or more", "raise --beads"))
+    strand = scene.strand(beads)
+
+    loss_time = scene.loss_time_s
+    if loss_time is None:
+        loss_time = LOSS_BEADS * strand.spacing_m / scene.band.bar_speed_m_s
+        reasons.append(
+            f"loss time {loss_time:.3g} s: {LOSS_BEADS} of a wave's time from bead to bead, enough to give the front "
+            "a smooth profile of a few beads, and vanishing with the mesh"
+        )
+    largest = strand.largest_step_s(loss_time, scene.strain)
+    arrival = front_arrival_s(scene, string)
+    if scene.timestep_s is not None and scene.timestep_s > largest:
+        raise UsageError(
+            explain(
+                "the time step is beyond the limit of stability",
+                f"{scene.timestep_s:.4g} s",
+                f"at most {largest:.4g} s for {beads} beads",
+                "lower --timestep or --beads",
+            )
+        )
+    target = scene.timestep_s or STEP_SHARE * largest
+    frames, rear_steps, steps = _sampling(scene, string, arrival, target)
+    # The last step ends at the front's arrival unless the user fixed the step.
+    timestep = scene.timestep_s or arrival / steps
+    if scene.timestep_s is None:
+        reasons.append(
+            f"step {timestep:.3g} s: {timestep / largest:.2f} of the largest stable one, {steps} steps to the "
+            f"front's arrival at {arrival:.4g} s"
+        )
+    if steps * timestep < SPEED_WINDOW[1] * arrival:
+        raise UsageError(
+            explain(
+                "the run is too short to measure the rebound speed",
+                f"{steps} steps of {timestep:.4g} s",
+                f"at least {SPEED_WINDOW[1]} of the front's arrival at {arrival:.4g} s",
+                "leave steps to the plan",
+            )
+        )
+    reasons.append(
+        f"{frames} frames of the ring, and {steps // rear_steps} of its rear, each an average over {rear_steps} steps"
+    )
+    layer = bending_layer_m(scene)
+    if layer and strand.spacing_m > COARSEST_SPACING * layer:
+        if scene.beads is not None:
+            warnings.append(
+                f"the bending layer of the held tip ({layer:.3g} m) is finer than the beads "
+                f"({strand.spacing_m:.3g} m): the tip curvature is not resolved"
+            )
+    else:
+        _beam_warnings(scene, warnings)
+    return Plan(
+        scene=replace(
+            scene,
+            beads=beads,
+            timestep_s=timestep,
+            loss_time_s=loss_time,
+            frames=frames,
+            steps=steps,
+            rear_steps=rear_steps,
+            planned=tuple(key for key in PLANNED if getattr(scene, key) is None or key in scene.planned),
+        ),
+        beads=beads,
+        timestep_s=timestep,
+        largest_timestep_s=largest,
+        loss_time_s=loss_time,
+        steps=steps,
+        frame_steps=steps // frames,
+        rear_steps=rear_steps,
+        string=string,
+        front_arrival_s=arrival,
+        reasons=tuple(reasons),
+        warnings=tuple(warnings),
+    )
+
+
+def _choose_beads(scene: Scene, reasons: list[str], warnings: list[str]) -> int:
+    """Beads from the bending layer and from the front; the errors behind the numbers are of second order in a."""
+    layer, length = bending_layer_m(scene), scene.band.circumference_m
+    finer = math.sqrt(TOLERANCE_OF_RULES / scene.tolerance)
+    front = finer * FRONT_BEADS
+    if scene.purpose == "curvature" and layer > 0.0:
+        wanted = max(finer * length / (CURVATURE_SPACING * layer), FRONT_BEADS / 2.0)
+        if wanted <= MOST_PLANNED_BEADS:
+            beads = _round_up(wanted)
+            reasons.append(
+                f"{beads} beads: the held tip bends over a layer of {layer:.3g} m, and the tip curvature needs beads "
+                f"closer than {CURVATURE_SPACING / finer:.2g} of it"
+            )
+            return beads
+        warnings.append(
+            f"the bending layer of the held tip is only {layer:.3g} m: the tip curvature would need {wanted:.0f} beads "
+            "and is not resolved (set --beads to insist)"
+        )
+    wanted = finer * length / (SPEED_SPACING * layer) if layer > 0.0 else math.inf
+    beads = _round_up(min(max(wanted, 0.5 * front), front))
+    reasons.append(f"{beads} beads: the front needs them for the rebound speed; a finer bending layer would not move it")
+    return beads
+
+
+def _round_up(beads: float) -> int:
+    return 20 * math.ceil(beads / 20.0)
+
+
+def _sampling(scene: Scene, string: StringLimit, arrival: float, target: float) -> tuple[int, int, int]:
+    """Frames of the ring, steps between frames of the rear, and steps in all; UsageError when they don't divide."""
+    if scene.steps is not None:
+        frames, rear_steps = scene.frames or 1, scene.rear_steps or 1
+        if scene.steps % frames or (scene.steps // frames) % rear_steps:
+            raise UsageError(
+                explain(
+                    "steps and frames do not divide",
+                    f"steps {scene.steps}, frames {frames}, rear_steps {rear_steps}",
+                    "steps a multiple of frames x rear_steps",
+                    "leave steps and rear_steps to the plan",
+                )
+            )
+        return frames, rear_steps, scene.steps
+    interval = arrival / _REAR_FRAMES
+    window = similarity_window(scene, string)
+    if window.reason is None:
+        interval = min(interval, (window.end_s - window.start_s) / 12.0)
+    rear_steps = scene.rear_steps or max(_FEWEST_REAR_STEPS, int(interval / target))
+    rear_frames = math.ceil(arrival / (rear_steps * target) * (1.0 - 1e-12))
+    if scene.timestep_s is None:
+        rear_frames = max(rear_frames, _FEWEST_REAR_FRAMES)
+    frames = scene.frames or min(FRAMES, rear_frames)
+    every = math.ceil(rear_frames / frames)
+    steps = every * rear_steps * frames
+    if steps > MOST_STEPS:
+        raise UsageError(
+            explain("the run would be too long", f"{steps} steps", f"at most {MOST_STEPS}", "raise --timestep")
+        )
+    return frames, rear_steps, steps
+
+
+def _beam_warnings(scene: Scene, warnings: list[str]) -> None:
+    """Say where the held tip is bent more sharply than beam theory bears."""
+    layer = bending_layer_m(scene)
+    if not layer:
+        return
+    sharpness = math.sin((math.pi / 2.0 - scene.half_angle_rad) / 2.0) * scene.band.thickness_m / layer
+    if sharpness > 0.5:
+        warnings.append(
+            f"the held tip has (curvature x half thickness) = {sharpness:.2g}: beam theory is not accurate for it "
+            "until the curvature has fallen"
+        )

@@ -1,0 +1,150 @@
+"""One release from the scene to the results: plan, hold, let go, measure, write."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from beadband import folder as files
+from beadband.analysis.measurement import balance, measure
+from beadband.analysis.trajectory import Trajectory, read, read_energies, read_mdanalysis
+from beadband.engine import run_script
+from beadband.errors import BeadbandError, RunError, UsageError
+from beadband.plan import Plan, plan_of
+from beadband.results import Estimate, Run, as_dict, stored_estimate, to_json
+from beadband.ring import Ring, stretched_ring
+from beadband.scene import Scene, scene_of
+from beadband.scenefile import read_scene, scene_text
+
+# Half the beads cost an eighth; where that would be too few to say anything, twice as many cost little.
+_HALVE_FROM = 160
+
+
+Progress = Callable[[int, int], None]
+"""Called now and then with the steps done and the steps in all."""
+
+
+class _Clock:
+    """Seconds spent on each part of a run."""
+
+    def __init__(self) -> None:
+        self.wall_s: dict[str, float] = {}
+
+    @contextmanager
+    def part(self, name: str) -> Iterator[None]:
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.wall_s[name] = self.wall_s.get(name, 0.0) + time.perf_counter() - start
+
+
+def hold(plan: Plan) -> Ring:
+    """The held ring of a plan."""
+    scene = plan.scene
+    return stretched_ring(scene.strand(plan.beads), plan.beads, scene.strain, scene.half_angle_rad)
+
+
+def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = None) -> Run:
+    """Release a scene and write everything about it into the new or empty folder ``out``.
+
+    ``results.json`` is written last: where it is missing, the run did not finish. Raises UsageError for a scene or
+    folder that can't be used, RunError when LAMMPS fails.
+    """
+    clock = _Clock()
+    with clock.part("plan"):
+        plan = plan_of(scene)
+    with clock.part("relax"):
+        ring = hold(plan)
+    with clock.part("write"):
+        folder = files.create(out)
+        files.write_text(folder / files.SCENE, scene_text(plan.scene))
+        files.write_inputs(folder, plan, ring)
+    with clock.part("integrate"):
+        follow = (lambda done: progress(done, plan.steps)) if progress else None
+        version = run_script(folder, files.SCRIPT, follow)
+    with clock.part("estimate"):
+        estimate = estimate_of(plan)
+    with clock.part("measure"):
+        try:
+            measurement = measure(plan, read(folder / files.REAR))
+            energies = balance(plan, read_energies(folder / files.ENERGY))
+        except UsageError as error:  # the request was sound: what LAMMPS wrote is not
+            raise RunError(str(error)) from error
+    done = Run(plan, ring, measurement, energies, estimate, clock.wall_s, version)
+    with clock.part("write"):
+        text = to_json(as_dict(done))
+    files.write_text(folder / files.RESULTS, text)
+    return done
+
+
+def estimate_of(plan: Plan) -> Estimate | None:
+    """The release again with half the beads (or twice as many), its rear alone followed; None if that can't be."""
+    beads = plan.beads // 2 if plan.beads >= _HALVE_FROM else 2 * plan.beads
+    # A loss time of the user's is physics and stays; a numerical one goes with the mesh.
+    numerical = "loss_time_s" in plan.scene.planned
+    other = replace(
+        plan.scene,
+        beads=beads,
+        timestep_s=None,
+        loss_time_s=None if numerical else plan.loss_time_s,
+        steps=None,
+        rear_steps=None,
+        frames=None,
+        planned=(),
+    )
+    try:
+        other_plan = plan_of(other)
+        with tempfile.TemporaryDirectory(prefix="beadband-") as place:
+            folder = Path(place)
+            files.write_inputs(folder, other_plan, hold(other_plan), pictures=False)
+            run_script(folder, files.SCRIPT)
+            found = measure(other_plan, read(folder / files.REAR))
+    except BeadbandError:
+        return None
+    return Estimate(
+        beads=beads,
+        speed_m_s=found.speed_m_s.value,
+        exponent=found.decay.exponent.value if found.decay else None,
+        eq7_ratio=found.decay.eq7_ratio.value if found.decay else None,
+    )
+
+
+def stored_plan(folder: str | os.PathLike[str]) -> Plan:
+    """The plan of a run's folder, from its scene.toml."""
+    path = files.require(folder, files.SCENE)
+    return plan_of(scene_of(read_scene(path / files.SCENE)))
+
+
+def analyze(folder: str | os.PathLike[str]) -> Run:
+    """Measure a run again from the files in its folder alone, read through MDAnalysis in double precision.
+
+    The second run from which the error of discretisation is judged is taken from results.json, and left out where
+    that is missing; nothing is written. UsageError when the folder is not that of a whole run.
+    """
+    return remeasure(folder, read_mdanalysis)
+
+
+def remeasure(folder: str | os.PathLike[str], reader: Callable[[Path], Trajectory] = read) -> Run:
+    """The like of :func:`analyze` with a reader of choice."""
+    plan = stored_plan(folder)
+    path = files.require(folder, files.REAR, files.ENERGY)
+    clock = _Clock()
+    with clock.part("measure"):
+        found = measure(plan, reader(path / files.REAR))
+        energies = balance(plan, read_energies(path / files.ENERGY))
+    with clock.part("relax"):
+        ring = hold(plan)
+    return Run(plan, ring, found, energies, stored_estimate(path / files.RESULTS), clock.wall_s)
+
+
+def frames(folder: str | os.PathLike[str]) -> tuple[Plan, Trajectory]:
+    """The whole ring over time, from the files of a run; UsageError when they are not there or not whole."""
+    plan = stored_plan(folder)
+    path = files.require(folder, files.TRAJECTORY)
+    return plan, read(path / files.TRAJECTORY)

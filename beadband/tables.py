@@ -1,0 +1,150 @@
+"""Results as a person reads them on a terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from beadband.band import CATALOGUE
+from beadband.law import law_of
+from beadband.plan import Plan
+from beadband.results import Run, as_dict
+
+# key of the row, heading, unit, factor from SI, format
+_BAND_COLUMNS: tuple[tuple[str, str, str, float, str], ...] = (
+    ("circumference_m", "Cb", "mm", 1e3, ".1f"),
+    ("width_m", "b", "mm", 1e3, ".2f"),
+    ("thickness_m", "h", "mm", 1e3, ".2f"),
+    ("density_kg_m3", "rho", "kg/m3", 1.0, ".0f"),
+    ("modulus_pa", "E", "MPa", 1e-6, ".3f"),
+    ("c10_pa", "C10", "MPa", 1e-6, ".3f"),
+    ("c01_pa", "C01", "MPa", 1e-6, ".3f"),
+    ("area_m2", "A", "mm2", 1e6, ".3f"),
+    ("second_moment_m4", "I", "mm4", 1e12, ".4f"),
+    ("bending_stiffness_n_m2", "EI", "N mm2", 1e6, ".3f"),
+    ("rest_modulus_pa", "E0", "MPa", 1e-6, ".3f"),
+    ("bar_speed_m_s", "sqrt(E/rho)", "m/s", 1.0, ".3f"),
+    ("rest_speed_m_s", "sqrt(E0/rho)", "m/s", 1.0, ".3f"),
+    ("peak_strain", "peak strain", "", 1.0, ".4f"),
+)
+
+
+def band_rows() -> list[dict[str, Any]]:
+    """The catalogue with derived values, SI; ``peak_strain`` is where the Mooney-Rivlin tension peaks, or null."""
+    rows = []
+    for band in CATALOGUE.values():
+        peak = law_of("mooney-rivlin", band).peak_stretch()
+        rows.append(
+            {
+                "name": band.name,
+                "section": band.section,
+                "circumference_m": band.circumference_m,
+                "width_m": band.width_m,
+                "thickness_m": band.thickness_m,
+                "density_kg_m3": band.density_kg_m3,
+                "modulus_pa": band.modulus_pa,
+                "c10_pa": band.c10_pa,
+                "c01_pa": band.c01_pa,
+                "area_m2": band.area_m2,
+                "second_moment_m4": band.second_moment_m4,
+                "bending_stiffness_n_m2": band.modulus_pa * band.second_moment_m4,
+                "mass_per_length_kg_m": band.mass_per_length_kg_m,
+                "rest_modulus_pa": band.rest_modulus_pa,
+                "bar_speed_m_s": band.bar_speed_m_s,
+                "rest_speed_m_s": band.rest_speed_m_s,
+                "peak_strain": None if peak is None else peak - 1.0,
+            }
+        )
+    return rows
+
+
+def bands(rows: list[dict[str, Any]]) -> str:
+    """The catalogue as a table, a column for each band."""
+    lines = [["band", "", *(row["name"] for row in rows)], ["section", "", *(row["section"] for row in rows)]]
+    for key, heading, unit, factor, form in _BAND_COLUMNS:
+        cells = ["-" if row[key] is None else f"{row[key] * factor:{form}}" for row in rows]
+        lines.append([heading, unit, *cells])
+    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
+    text = [
+        "  ".join(cell.ljust(width) if i < 2 else cell.rjust(width) for i, (cell, width) in enumerate(zip(line, widths, strict=True)))
+        for line in lines
+    ]
+    notes = (
+        "h is the diameter of the circular section. E is the table's; E0 = 6 (C10 + C01) is the Mooney-Rivlin modulus",
+        "at rest. Peak strain: where the Mooney-Rivlin tension peaks and a uniform hold ends.",
+    )
+    return "\n".join([*(line.rstrip() for line in text), *notes])
+
+
+def plan_values(plan: Plan) -> dict[str, Any]:
+    """The plan for programs."""
+    return {
+        "scene": plan.scene.as_dict(),
+        "beads": plan.beads,
+        "timestep_s": plan.timestep_s,
+        "largest_timestep_s": plan.largest_timestep_s,
+        "loss_time_s": plan.loss_time_s,
+        "steps": plan.steps,
+        "frames": plan.frames,
+        "front_arrival_s": plan.front_arrival_s,
+        "bead_steps": plan.beads * plan.steps,
+        "reasons": list(plan.reasons),
+        "warnings": list(plan.warnings),
+    }
+
+
+def plan(plan: Plan) -> str:
+    """The plan for a person: what was chosen and why."""
+    scene = plan.scene
+    lines = [
+        f"Band {scene.band.name}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g} deg, {scene.law}, "
+        f"for {scene.purpose} to {scene.tolerance:.2%}",
+        *(f"  {reason}" for reason in plan.reasons),
+        f"  {plan.beads * plan.steps:.2g} bead-steps in all",
+        *(f"  note: {warning}" for warning in plan.warnings),
+    ]
+    return "\n".join(lines)
+
+
+def run(done: Run) -> str:
+    """A finished run in a dozen lines."""
+    values, scene = as_dict(done), done.plan.scene
+    speed, error = values["rebound_speed_m_s"], values["rebound_speed_error_m_s"]
+    string = values["string_speed_m_s"]
+    names = {"bar": "C = sqrt(E/rho)", "rest": "C = sqrt(E0/rho)", "front_horizontal": "C of the front"}
+    energy = values["energy"]
+    rows = [
+        ("rebound speed V", f"{speed:.4g} +/- {error:.2g} m/s".replace("e-", "e-")),
+        ("string limit (EI -> 0)", f"{string:.4g} m/s; V is {abs(speed / string - 1.0):.2%} "
+         f"{'above' if speed > string else 'below'}"),
+        *(
+            (f"V/C, {names[key]}", f"{values['rebound_ratio'][key]:.4f} with C = {wave:.2f} m/s; "
+             f"alpha = {values['alpha'][key]:.3f}")
+            for key, wave in values["wave_speeds_m_s"].items()
+        ),
+        ("tip curvature", _curvature_text(values)),
+        ("energy", f"{energy['stored_j'] * 1e3:.4g} mJ stored; at the end "
+         + ", ".join(f"{energy[key + '_j'] / energy['stored_j']:.1%} {key}" for key in
+                     ("kinetic", "stretching", "bending", "dissipated"))
+         + f"; balanced to {energy['balance_error']:.1g}"),
+        ("beads, steps", f"{done.plan.beads}, {done.plan.steps} of {done.plan.timestep_s:.3g} s"),
+        ("time spent", ", ".join(f"{part} {seconds:.2f}" for part, seconds in done.wall_s.items())
+         + f" s; {sum(done.wall_s.values()):.2f} s in all"),
+    ]
+    width = max(len(name) for name, _ in rows)
+    head = (
+        f"Band {scene.band.name}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g} deg, {scene.law}: "
+        f"{scene.until} over {done.plan.front_arrival_s * 1e3:.3f} ms"
+    )
+    notes = [f"note: {sentence}" for sentence in values["warnings"]]
+    return "\n".join([head, *(f"  {name.ljust(width)}  {text}" for name, text in rows), *notes]) + "\n"
+
+
+def _curvature_text(values: dict[str, Any]) -> str:
+    curvature = values["curvature"]
+    if curvature is None:
+        return f"no figure: {values['reason']}"
+    start, end = curvature["window_s"]
+    return (
+        f"falls as t^({curvature['exponent']:.3f} +/- {curvature['exponent_error']:.2g}) from {start * 1e3:.3g} to "
+        f"{end * 1e3:.3g} ms, {curvature['eq7_ratio']:.3f} +/- {curvature['eq7_ratio_error']:.1g} of Eq. 7"
+    )

@@ -1,0 +1,1 @@
+"""The LAMMPS input scripts, as package data."""
