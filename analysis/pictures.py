@@ -134,4 +134,4 @@ def energy(axes: Any, run: Run) -> None:
         xlim=(0.0, times[-1]),
         ylim=(0.0, 1.02),
     )
-    axes.legend(fontsize=8, loc="center right", frameon=False)
+    axes.legend(fontsize=8, loc="center left", frameon=False)

@@ -13,13 +13,24 @@ from typing import NoReturn
 
 from beadband import __version__
 from beadband.errors import BeadbandError
-from beadband.options import add_scene_options
 
 RESERVED = ("verify", "reproduce", "pareto", "stability", "sweep", "movie", "report")
 """Commands whose names are kept for later versions."""
 
 
 class _Parser(argparse.ArgumentParser):
+    """A parser that complains in one line, and takes the options of a scene only when its command was chosen."""
+
+    takes_scene = False
+
+    def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
+        if self.takes_scene:
+            from beadband.options import add_scene_options
+
+            self.takes_scene = False
+            add_scene_options(self)
+        return super().parse_known_args(args, namespace)
+
     def error(self, message: str) -> NoReturn:
         print(f"{self.prog}: {message}; see '{self.prog} --help'", file=sys.stderr)
         raise SystemExit(2)
@@ -35,11 +46,10 @@ def build_parser() -> argparse.ArgumentParser:
         title="commands", metavar="COMMAND", dest="command", required=True, parser_class=_Parser
     )
 
-    def command(name: str, text: str, scene: bool = False, folder: bool = False) -> argparse.ArgumentParser:
+    def command(name: str, text: str, scene: bool = False, folder: bool = False) -> _Parser:
         added = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
         added.add_argument("--json", action="store_true", help="print JSON instead of a table")
-        if scene:
-            add_scene_options(added)
+        added.takes_scene = scene
         if folder:
             added.add_argument("dir", metavar="DIR", help="folder of a run")
         added.set_defaults(handler=name)

@@ -141,6 +141,7 @@ def plan_of(scene: Scene) -> Plan:
             f"loss time {loss_time:.3g} s: {LOSS_BEADS} of a wave's time from bead to bead, enough to give the front "
             "a smooth profile of a few beads, and vanishing with the mesh"
         )
+    _shock_warning(scene, string, loss_time / strand.spacing_m * scene.band.bar_speed_m_s, warnings)
     largest = strand.largest_step_s(loss_time, scene.strain)
     arrival = front_arrival_s(scene, string)
     if scene.timestep_s is not None and scene.timestep_s > largest:
@@ -265,6 +266,16 @@ def _sampling(scene: Scene, string: StringLimit, arrival: float, target: float) 
             explain("the run would be too long", f"{steps} steps", f"at most {MOST_STEPS}", "raise --timestep")
         )
     return frames, rear_steps, steps
+
+
+def _shock_warning(scene: Scene, string: StringLimit, loss_beads: float, warnings: list[str]) -> None:
+    """Say where a shock has too little loss: its energy then goes into ringing that no refinement removes."""
+    head_speed = math.sqrt(float(scene.material.tangent(1.0 + scene.strain)) / scene.band.density_kg_m3)
+    if loss_beads < 0.5 * LOSS_BEADS and string.front_speed_m_s > 1.01 * head_speed:
+        warnings.append(
+            f"this law unloads through a shock, and a loss of {loss_beads:.2g} of a wave's time from bead to bead does "
+            "not resolve it: the rebound speed is about 1 % too low whatever the number of beads"
+        )
 
 
 def _beam_warnings(scene: Scene, warnings: list[str]) -> None:

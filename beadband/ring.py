@@ -57,16 +57,7 @@ def stretched_ring(strand: Strand, beads: int, strain: float, half_angle_rad: fl
     if beads < FEWEST_BEADS:
         raise UsageError(explain("too few beads", beads, f"{FEWEST_BEADS} or more", "raise --beads"))
     half = _Held(strand, beads, strain, half_angle_rad)
-    points, radius, first = half.first_guess()
-    seen: set[int] = set()
-    while True:
-        points, radius = half.settle(points, radius, first)
-        better = half.contact(points, radius, first)
-        if better == first or better in seen:
-            break
-        seen.add(first)
-        first = half.check_wrap(better)
-        points = half.on_finger(points, radius, first)
+    points, radius, first = half.touch_down(*half.first_guess())
     net_force = half.net_force(points, first)
     if not net_force <= _NET_FORCE_BOUND:
         raise RunError(
@@ -74,7 +65,7 @@ def stretched_ring(strand: Strand, beads: int, strain: float, half_angle_rad: fl
                 "the held ring found no equilibrium",
                 f"a net force of {net_force:.1e} of the tension",
                 f"{_NET_FORCE_BOUND:.0e}",
-                "change --beads, or check the scene with 'beadband plan'",
+                "change --beads",
             )
         )
     stretching, bending = half.ring.energies(points)
@@ -107,12 +98,13 @@ class _Held:
         self.last = beads // 2
         self.ring = HalfRing(strand, crossing=beads % 2 == 1)
         self.tension = strand.area_m2 * float(strand.law.stress(self.held))
+        self.layer_m = math.sqrt(strand.bending_stiffness_n_m2 / (self.tension * self.held))
         self.pull = self.tension * np.array([math.cos(half_angle_rad), math.sin(half_angle_rad)])
 
     def first_guess(self) -> tuple[Array, float, int]:
         """Rounded tip of uniform stretch, straight leg, uniform arc: tan(alpha/4) = tan(alpha0/4) exp(-S/l)."""
         a, phi = self.strand.spacing_m, self.angle
-        layer = math.sqrt(self.strand.bending_stiffness_n_m2 / (self.tension * self.held))
+        layer = self.layer_m
         reach = (np.arange(self.last) + 0.5) * a
         decay = np.exp(-reach / layer) if layer > 0.0 else np.zeros(self.last)
         alpha = 4.0 * np.arctan(math.tan((math.pi / 2.0 - phi) / 4.0) * decay)
@@ -131,7 +123,7 @@ class _Held:
         ahead = leg[-1, 1] / math.sin(phi) - self.last * bond
         arc = math.tan(phi) * (math.pi / 2.0 + phi)
         touch = (self.bonds * bond - ahead * arc) / (bond * (1.0 + arc))
-        first = self.check_wrap(math.ceil(touch))
+        first = self.check_wrap(round(touch))
         radius = (ahead + touch * bond) * math.tan(phi)
         points = leg
         apex = leg[-1, 0] - leg[-1, 1] / math.tan(phi)
@@ -171,31 +163,46 @@ class _Held:
         return float(np.hypot(free[:, 0], free[:, 1]).max()) / self.tension
 
     def residual(self, points: Array, first: int) -> float:
-        """Largest unbalanced force over the tension, free beads and sliding wrapped ones together."""
-        loads = self.loads(points)
-        tangent = _tangents(points)[first:]
-        slide = np.abs(np.sum(loads[first:] * tangent, axis=1))
+        """Root of the summed squares of unbalanced forces over the tension, and of the tip's height over a bond.
+
+        Free beads are balanced in the plane, wrapped ones along the finger; inf where bonds have collapsed.
+        """
+        loads = self.loads(points) / self.tension
+        slide = np.sum(loads[first:] * _tangents(points)[first:], axis=1)
         if not self.ring.crossing:
             slide = slide[:-1]
-        free = np.hypot(loads[:first, 0], loads[:first, 1])
-        return float(max(free.max(), slide.max())) / self.tension
+        height = points[0, 1] / self.strand.spacing_m
+        total = float(np.sum(loads[:first] ** 2) + np.sum(slide**2) + height**2)
+        return math.sqrt(total) if math.isfinite(total) else math.inf
 
     def settle(self, points: Array, radius: float, first: int) -> tuple[Array, float]:
-        """Newton's method for given wrapped beads; positions and finger radius at equilibrium."""
-        best = math.inf
-        for _ in range(60):
-            step, d_radius = self._step(points, radius, first)
-            # A step of less than half a bond keeps bonds from turning over.
-            scale = min(1.0, 0.5 * self.strand.spacing_m / max(float(np.abs(step).max()), 1e-300))
-            points = points + scale * step
-            radius += scale * d_radius
-            points = self.on_finger(points, radius, first)
-            if not self.ring.crossing:
-                points[-1] = radius, 0.0
-            error = max(self.residual(points, first), abs(points[0, 1]) / self.strand.spacing_m)
-            if error <= _NET_FORCE_GOAL or (scale == 1.0 and error < _NET_FORCE_BOUND and error >= 0.5 * best):
+        """Newton's method for given wrapped beads; positions and finger radius at equilibrium, or as near as it came.
+
+        Steps are halved until the residual falls: near a tension peak, or on a coarse chain, whole ones overshoot.
+        """
+        error = self.residual(points, first)
+        for _ in range(80):
+            try:
+                step, d_radius = self._step(points, radius, first)
+            except np.linalg.LinAlgError:
                 break
-            best = min(best, error)
+            # Changes of less than half a bond, and of a part of the radius, keep bonds from turning over.
+            change = float(np.abs(np.diff(step, axis=0)).max()) / self.strand.spacing_m
+            scale = min(1.0, 0.5 / max(change, 0.5), 0.2 * radius / max(float(np.abs(step).max()), 0.2 * radius))
+            while True:
+                tried_radius = radius + scale * d_radius
+                tried = self.on_finger(points + scale * step, tried_radius, first)
+                if not self.ring.crossing:
+                    tried[-1] = tried_radius, 0.0
+                tried_error = self.residual(tried, first)
+                if tried_error < error or scale < 1e-3:
+                    break
+                scale *= 0.5
+            stalled = tried_error >= 0.5 * error
+            if tried_error < error or error > _NET_FORCE_BOUND:
+                points, radius, error = tried, tried_radius, tried_error
+            if error <= _NET_FORCE_GOAL or (stalled and error <= _NET_FORCE_BOUND):
+                break
         return points, radius
 
     def _step(self, points: Array, radius: float, first: int) -> tuple[Array, float]:
@@ -237,14 +244,43 @@ class _Held:
         step = np.einsum("iab,ib->ia", frame, solved[:, :, 0] + d_radius * solved[:, :, 1])
         return step + d_radius * outward, float(d_radius)
 
-    def contact(self, points: Array, radius: float, first: int) -> int:
-        """First bead that should lie on the finger, given where the present ones are pushed or overlap it."""
-        distance = np.hypot(points[:first, 0], points[:first, 1])
-        inside = np.flatnonzero(distance < radius * (1.0 - 1e-12))
-        if len(inside):
-            return int(inside[0])
-        reaction = float(self.loads(points)[first] @ points[first])
-        return first + 1 if reaction < 0.0 else first
+    def touch_down(self, points: Array, radius: float, first: int) -> tuple[Array, float, int]:
+        """Settle, and find the first bead on the finger: it is pushed, and no free one lies inside.
+
+        Stiffness lifts the band off the finger over about one bending layer; on a fine chain that is many beads,
+        most of which are let go at once. From there on the search goes bead by bead, for Newton's method follows a
+        change by one from anywhere.
+        """
+        points, radius = self.settle(points, radius, first)
+        lift = int(0.8 * self.layer_m / self.strand.spacing_m)
+        if lift > 1 and self.pulls(points, first) and first + lift <= self.last - 2:
+            jumped, jumped_radius = self.settle(points, radius, first + lift)
+            if self.net_force(jumped, first + lift) <= _NET_FORCE_BOUND:
+                points, radius, first = jumped, jumped_radius, first + lift
+        released = -1
+        while True:
+            inside = self.first_inside(points, radius, first)
+            if inside < first:
+                first = max(inside, first - 1)
+                if first == released:  # the band leaves the finger between two beads: none may lie inside it
+                    points, radius = self.settle(self.on_finger(points, radius, first), radius, first)
+                    return points, radius, first
+            elif self.pulls(points, first):
+                released = first
+                first += 1
+            else:
+                return points, radius, first
+            self.check_wrap(first)
+            points, radius = self.settle(self.on_finger(points, radius, first), radius, first)
+
+    def first_inside(self, points: Array, radius: float, first: int) -> int:
+        """The first free bead inside the finger, or ``first`` where there is none."""
+        inside = np.flatnonzero(np.hypot(points[:first, 0], points[:first, 1]) < radius * (1.0 - 1e-12))
+        return int(inside[0]) if len(inside) else first
+
+    def pulls(self, points: Array, first: int) -> bool:
+        """Whether the finger would have to pull the first bead that lies on it."""
+        return float(self.loads(points)[first] @ points[first]) < 0.0
 
 
 def _tangents(points: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from beadband.band import CATALOGUE
@@ -113,7 +114,7 @@ def run(done: Run) -> str:
     names = {"bar": "C = sqrt(E/rho)", "rest": "C = sqrt(E0/rho)", "front_horizontal": "C of the front"}
     energy = values["energy"]
     rows = [
-        ("rebound speed V", f"{speed:.4g} +/- {error:.2g} m/s".replace("e-", "e-")),
+        ("rebound speed V", f"{_with_error(speed, error)} m/s"),
         ("string limit (EI -> 0)", f"{string:.4g} m/s; V is {abs(speed / string - 1.0):.2%} "
          f"{'above' if speed > string else 'below'}"),
         *(
@@ -139,12 +140,18 @@ def run(done: Run) -> str:
     return "\n".join([head, *(f"  {name.ljust(width)}  {text}" for name, text in rows), *notes]) + "\n"
 
 
+def _with_error(value: float, error: float) -> str:
+    """A value to the second digit of its error."""
+    digits = max(0, 1 - math.floor(math.log10(error))) if error > 0.0 else 6
+    return f"{value:.{digits}f} +/- {error:.{digits}f}"
+
+
 def _curvature_text(values: dict[str, Any]) -> str:
     curvature = values["curvature"]
     if curvature is None:
         return f"no figure: {values['reason']}"
     start, end = curvature["window_s"]
     return (
-        f"falls as t^({curvature['exponent']:.3f} +/- {curvature['exponent_error']:.2g}) from {start * 1e3:.3g} to "
-        f"{end * 1e3:.3g} ms, {curvature['eq7_ratio']:.3f} +/- {curvature['eq7_ratio_error']:.1g} of Eq. 7"
+        f"falls as t^({_with_error(curvature['exponent'], curvature['exponent_error'])}) from {start * 1e3:.3g} to "
+        f"{end * 1e3:.3g} ms, {_with_error(curvature['eq7_ratio'], curvature['eq7_ratio_error'])} of Eq. 7"
     )
