@@ -46,7 +46,7 @@ def _no_lammps(error: Exception) -> str:
     )
 
 
-def run_script(folder: Path, name: str, progress: Follow | None = None) -> str:
+def run_script(folder: Path, name: str, follow: Follow | None = None) -> str:
     """Run the script ``name`` in ``folder`` and return LAMMPS' version; RunError with its complaint if it fails.
 
     The working directory is changed for the time of the run, so that no path ever reaches LAMMPS' parser. LAMMPS
@@ -61,7 +61,7 @@ def run_script(folder: Path, name: str, progress: Follow | None = None) -> str:
         except (OSError, RuntimeError, AttributeError) as error:
             raise RunError(_no_lammps(error)) from error
         try:
-            _watch(instance, name, progress)
+            _watch(instance, name, follow)
             return str(instance.version())
         finally:
             instance.close()
@@ -69,28 +69,29 @@ def run_script(folder: Path, name: str, progress: Follow | None = None) -> str:
         os.chdir(before)
 
 
-def _watch(instance: Any, name: str, progress: Follow | None) -> None:
+def _watch(instance: Any, name: str, follow: Follow | None) -> None:
     failures: list[BaseException] = []
+    # An event of our own, not Thread.join: that one, interrupted, takes a running thread for a finished one.
+    finished = threading.Event()
 
     def work() -> None:
         try:
             instance.file(name)
         except BaseException as error:  # noqa: BLE001  handed to the caller's thread
             failures.append(error)
+        finally:
+            finished.set()
 
-    worker = threading.Thread(target=work, name="lammps", daemon=True)
-    worker.start()
+    threading.Thread(target=work, name="lammps", daemon=True).start()
     try:
-        worker.join(_POLL_S)
-        while worker.is_alive():
-            if progress:
-                progress(int(instance.extract_global("ntimestep")))
-            worker.join(_POLL_S)
+        while not finished.wait(_POLL_S):
+            if follow:
+                follow(int(instance.extract_global("ntimestep")))
     except BaseException:
         # Ctrl-C: a soft stop at the next step, so that the instance can be closed.
-        while worker.is_alive():
+        while not finished.is_set():
             instance.force_timeout()
-            worker.join(_POLL_S)
+            finished.wait(_POLL_S)
         raise
     if failures:
         raise RunError(_complaint(str(failures[0]))) from failures[0]

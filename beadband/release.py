@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from beadband import folder as files
-from beadband.analysis.measurement import balance, measure
+from beadband.analysis.measurement import Measurement, balance, measure
 from beadband.analysis.trajectory import Trajectory, read, read_energies, read_mdanalysis
 from beadband.engine import run_script
 from beadband.errors import BeadbandError, RunError, UsageError
@@ -83,6 +83,15 @@ def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = N
     return done
 
 
+def follow_rear(plan: Plan) -> Measurement:
+    """Release a plan without keeping anything but what its rear does: the cheap way to V and the curvature."""
+    with tempfile.TemporaryDirectory(prefix="beadband-") as place:
+        folder = Path(place)
+        files.write_inputs(folder, plan, hold(plan), pictures=False)
+        run_script(folder, files.SCRIPT)
+        return measure(plan, read(folder / files.REAR))
+
+
 def estimate_of(plan: Plan) -> Estimate | None:
     """The release again with half the beads (or twice as many), its rear alone followed; None if that can't be."""
     beads = plan.beads // 2 if plan.beads >= _HALVE_FROM else 2 * plan.beads
@@ -99,12 +108,7 @@ def estimate_of(plan: Plan) -> Estimate | None:
         planned=(),
     )
     try:
-        other_plan = plan_of(other)
-        with tempfile.TemporaryDirectory(prefix="beadband-") as place:
-            folder = Path(place)
-            files.write_inputs(folder, other_plan, hold(other_plan), pictures=False)
-            run_script(folder, files.SCRIPT)
-            found = measure(other_plan, read(folder / files.REAR))
+        found = follow_rear(plan_of(other))
     except BeadbandError:
         return None
     return Estimate(

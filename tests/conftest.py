@@ -1,0 +1,46 @@
+"""Shared runs: each scene is released once a session."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from beadband import release
+from beadband.analysis.measurement import Measurement
+from beadband.plan import Plan, plan_of
+from beadband.results import Run
+from beadband.scene import scene_of
+
+REQUIRE_ALL = os.environ.get("BEADBAND_TEST_ALL") == "1"
+"""Set where nothing may be skipped."""
+
+
+@cache
+def rear_of(**values: Any) -> tuple[Plan, Measurement]:
+    """Plan and measured rear of a scene."""
+    plan = plan_of(scene_of(values))
+    return plan, release.follow_rear(plan)
+
+
+@pytest.fixture(scope="session")
+def default_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path]:
+    """The default scene with all of its files."""
+    folder = tmp_path_factory.mktemp("default") / "a folder, $HOME & 'quotes' \"é\""
+    return release.run(scene_of({}), folder), folder
+
+
+@pytest.fixture(scope="session")
+def mpirun() -> Callable[..., list[str]]:
+    """Command line of a program on some ranks; skips where there is no mpirun."""
+    found = shutil.which("mpirun")
+    if found is None:
+        if REQUIRE_ALL:
+            pytest.fail("mpirun is missing")
+        pytest.skip("needs mpirun")
+    return lambda ranks, *command: [found, "-np", str(ranks), *command]
