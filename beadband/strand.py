@@ -8,7 +8,8 @@ bond energy        a A W(r/a), so the bond carries the tension A stress(r/a)
 angle energy       (EI/a)(u + u^2/6), u = 1 - cos psi, psi the turning angle: EI/2 (psi/a)^2 a up to the order psi^6
 dashpot            gamma = E A tau/a along each bond: Kelvin-Voigt, viscous stress E tau d(stretch)/dt
 largest step       dt = 2/(sqrt(w^2 + g^2) + g), g = 2 gamma/m: velocity Verlet at the stiffest mode, with
-                   w = 2 c_max/a axially; g = 0 and w^2 = (4 a_b/a^2)^2 for bending, a_b = sqrt(EI/(density A))
+                   w = 2 c_max/a axially; g = 0 and w = 4 a_b/(a^2 s) for bending of bonds at a stretch s,
+                   a_b = sqrt(EI/(density A))
 =================  =================================================================================
 """
 
@@ -19,9 +20,6 @@ from dataclasses import dataclass
 
 from beadband.law import Law
 
-# Axial ringing behind the front compresses bonds by a few per cent at most; where the law stiffens in compression
-# that sets the fastest axial mode.
-DEEPEST_COMPRESSION = 0.9
 # Weight of (1 - cos psi)^2 in the angle energy. With it a sharply bent coarse chain is as stiff as the band it stands
 # for, where 1 - cos psi alone goes soft; as a polynomial in the cosine it stays smooth at straight angles, which
 # forms in psi itself do not in LAMMPS (they clip 1/sin below psi = 0.001).
@@ -63,20 +61,18 @@ class Strand:
         """Force along a bond per rate of its length."""
         return self.modulus_pa * self.area_m2 * loss_time_s / self.spacing_m
 
-    def largest_step_s(self, loss_time_s: float, strain: float) -> float:
+    def largest_step_s(self, loss_time_s: float, strain: float, compression: float) -> float:
         """Step at which velocity Verlet loses stability while the strand unloads from ``strain``.
 
-        The axial speed is the largest met between that strain and a slight compression; transverse modes are
-        checked both slack (bending alone) and held (bending on longer bonds, and tension).
+        Axial modes are as stiff as the law is anywhere between that strain and the stretch ``compression``; transverse
+        ones are checked compressed (short bonds bend most stiffly) and held (long bonds under tension).
         """
-        samples = [DEEPEST_COMPRESSION + (1.0 + strain - DEEPEST_COMPRESSION) * i / 64 for i in range(65)]
+        held, density = 1.0 + strain, self.density_kg_m3
+        samples = [compression + (held - compression) * i / 64 for i in range(65)]
         stiffest = max(self.law.tangent(stretch) for stretch in samples)
         mass_rate = 2.0 * self.dashpot_n_s_m(loss_time_s) / self.bead_mass_kg
-        axial = 4.0 * stiffest / (self.density_kg_m3 * self.spacing_m**2)
+        axial = 4.0 * stiffest / (density * self.spacing_m**2)
         bending = (4.0 * self.bending_diffusivity_m2_s / self.spacing_m**2) ** 2
-        held = 1.0 + strain
-        held_transverse = bending / held**2 + 4.0 * self.law.stress(held) / (
-            held * self.density_kg_m3 * self.spacing_m**2
-        )
-        damped = 2.0 / (math.sqrt(axial + mass_rate**2) + mass_rate)
-        return min(damped, 2.0 / math.sqrt(max(bending, held_transverse)))
+        pulled = 4.0 * self.law.stress(held) / (held * density * self.spacing_m**2)
+        transverse = max(bending / compression**2, bending / held**2 + pulled)
+        return min(2.0 / (math.sqrt(axial + mass_rate**2) + mass_rate), 2.0 / math.sqrt(transverse))

@@ -7,6 +7,7 @@ import math
 import shutil
 import subprocess
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -204,12 +205,10 @@ def test_scene_file_repeats_the_run_bit_by_bit(default_run: tuple[Run, Path], tm
 
 
 def test_the_step_limit_is_the_edge(tmp_path: Path) -> None:
-    """Just below the predicted limit a release keeps its energy; above it, it blows up and says so."""
-    base = plan_of(scene_of({"law": "linear", "loss_time_s": 0.0, "beads": 400}))
+    """A little below the predicted limit a release gains no energy; above it, it blows up and says so."""
+    base = plan_of(scene_of({"beads": 400}))
 
     def at(share: float, name: str) -> Path:
-        from dataclasses import replace
-
         folder = tmp_path / name
         folder.mkdir()
         plan = replace(base, timestep_s=share * base.largest_timestep_s)
@@ -217,11 +216,11 @@ def test_the_step_limit_is_the_edge(tmp_path: Path) -> None:
         run_script(folder, files.SCRIPT)
         return folder
 
-    energies = read_energies(at(0.97, "below") / files.ENERGY)
+    energies = read_energies(at(0.9, "below") / files.ENERGY)
     total = energies.stretching_j + energies.bending_j + energies.kinetic_j
-    assert np.abs(total / total[0] - 1.0).max() < 5e-3
+    assert total.max() <= 1.001 * total[0]
     with pytest.raises(RunError, match=r"blew up.*lower --timestep"):
-        at(1.06, "above")
+        at(1.2, "above")
 
 
 def test_result_file_keeps_the_contract(default_run: tuple[Run, Path]) -> None:

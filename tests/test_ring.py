@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -154,7 +153,7 @@ def test_held_tip_converges_to_the_exact_elastica(law: str) -> None:
         errors.append(abs(turning / scene.strand(beads).spacing_m / exact - 1.0))
     assert errors[-1] < 2e-3
     orders = [math.log2(coarse / fine) for coarse, fine in zip(errors[:-1], errors[1:], strict=True)]
-    assert min(orders) > 1.8
+    assert orders[-1] > 1.9
 
 
 def test_without_bending_the_ring_is_the_string() -> None:
@@ -169,4 +168,4 @@ def test_too_few_beads_are_refused() -> None:
     with pytest.raises(UsageError, match="too few beads"):
         ring_of(scene_of({}), 5)
     with pytest.raises(UsageError, match="finger"):
-        ring_of(replace(scene_of({"band": "IV"}), half_angle_deg=2.0), 60)
+        ring_of(scene_of({"band": "IV", "half_angle_deg": 1.0}), 60)
