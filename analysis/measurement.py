@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
 from beadband.analysis.tip import Array, Decay, Measured, curvatures, decay, slope, speeds
 from beadband.analysis.trajectory import Energies, Trajectory
+
 from beadband.beam import eq7_curvature
 from beadband.errors import UsageError, explain
-from beadband.plan import SPEED_WINDOW, Plan, SimilarityWindow, similarity_window
+from beadband.plan import Plan
+from beadband.scales import SPEED_WINDOW, SimilarityWindow, similarity_window
 
 
 @dataclass(frozen=True)
@@ -121,12 +122,16 @@ def balance(plan: Plan, energies: Energies) -> Balance:
     """Energies with the loss summed up; UsageError when they do not cover the run."""
     if energies.steps[-1] != plan.steps or energies.steps[0] != 0:
         raise UsageError(
-            explain("the energies are not those of the whole run", f"up to step {energies.steps[-1]}",
-                    f"0 to {plan.steps}", "run it again")
+            explain(
+                "the energies are not those of the whole run",
+                f"up to step {energies.steps[-1]}",
+                f"0 to {plan.steps}",
+                "run it again",
+            )
         )
     intervals = np.diff(energies.steps, prepend=0) * plan.timestep_s
     return Balance(
-        times_s=energies.steps * plan.timestep_s,
+        times_s=np.asarray(energies.steps * plan.timestep_s, dtype=np.float64),
         stretching_j=energies.stretching_j,
         bending_j=energies.bending_j,
         kinetic_j=energies.kinetic_j,

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
 from beadband.analysis.trajectory import Trajectory
+
 from beadband.beam import at_rest_curvature, eq7_curvature
-from beadband.plan import SPEED_WINDOW
+from beadband.scales import SPEED_WINDOW
 
 if TYPE_CHECKING:
     from beadband.results import Run

@@ -42,7 +42,8 @@ def slope(times_s: Array, values: Array, start_s: float, end_s: float) -> Measur
 
 def speeds(times_s: Array, positions_m: Array) -> Array:
     """Speed over time (frames,), by central differences."""
-    return np.gradient(positions_m, times_s)
+    rates: Array = np.gradient(positions_m, times_s)
+    return rates
 
 
 def curvatures(before_m: Array, tip_m: Array, after_m: Array, spacing_m: float) -> Array:

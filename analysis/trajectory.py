@@ -38,7 +38,8 @@ class Trajectory:
         The steps s-m+1 ... s of an interval of m steps have their mean at s - (m-1)/2.
         """
         intervals = np.diff(self.steps, prepend=self.steps[:1])
-        return timestep_s * (self.steps - 0.5 * np.maximum(intervals - 1, 0))
+        middles: Array = self.steps - 0.5 * np.maximum(intervals - 1, 0)
+        return timestep_s * middles
 
 
 def read(path: str | os.PathLike[str]) -> Trajectory:

@@ -72,8 +72,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = build_parser()
     arguments, unknown = parser.parse_known_args(argv)
     if arguments.handler == "reserved":
-        print(f"beadband {arguments.name}: this command is not part of version {__version__}; "
-              "see 'beadband --help' for those that are", file=sys.stderr)
+        print(
+            f"beadband {arguments.name}: this command is not part of version {__version__}; "
+            "see 'beadband --help' for those that are",
+            file=sys.stderr,
+        )
         return 2
     if unknown:
         parser.error(f"unrecognized arguments: {' '.join(unknown)}")
@@ -109,7 +112,9 @@ def guarded(action: Callable[[], int], name: str) -> int:
         if os.environ.get("BEADBAND_DEBUG"):
             raise
         text = " ".join(str(error).split())
-        return _say(name, f"a fault of beadband's own ({type(error).__name__}: {text}); set BEADBAND_DEBUG=1 to see where", 1)
+        return _say(
+            name, f"a fault of beadband's own ({type(error).__name__}: {text}); set BEADBAND_DEBUG=1 to see where", 1
+        )
 
 
 def _say(name: str, text: str, code: int) -> int:

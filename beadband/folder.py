@@ -103,9 +103,7 @@ def write_text(path: Path, text: str) -> None:
         os.replace(partial, path)
     except OSError as error:
         raise RunError(
-            explain(
-                "a file could not be written", f"{str(path)!r} ({error.strerror})", "a disk with room", "free some"
-            )
+            explain("a file could not be written", f"{str(path)!r} ({error.strerror})", "a disk with room", "free some")
         ) from error
 
 
@@ -197,8 +195,9 @@ def script(plan: Plan, ring: Ring, pictures: bool) -> str:
         "loss_average": plan.frame_steps // loss_every if pictures else 1,
     }
     head = "".join(
-        f"variable        {name} index {value:.17g}\n" if isinstance(value, float) else
-        f"variable        {name} index {value}\n"
+        f"variable        {name} index {value:.17g}\n"
+        if isinstance(value, float)
+        else f"variable        {name} index {value}\n"
         for name, value in variables.items()
     )
     return f"{head}\n{script_text()}"

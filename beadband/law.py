@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from beadband.errors import UsageError, explain
@@ -69,14 +70,14 @@ class Law:
     def stretch_at(self, stress_pa: float, at_most: float) -> float:
         """Stretch that carries a nominal stress between 0 and that of ``at_most`` (Newton, bracketed)."""
         low, high = 1.0, at_most
-        stretch = 1.0 + (at_most - 1.0) * stress_pa / self.stress(at_most)
+        stretch = 1.0 + (at_most - 1.0) * stress_pa / float(self.stress(at_most))
         for _ in range(100):
-            excess = self.stress(stretch) - stress_pa
+            excess = float(self.stress(stretch)) - stress_pa
             if excess > 0.0:
                 high = stretch
             else:
                 low = stretch
-            step = excess / self.tangent(stretch)
+            step = excess / float(self.tangent(stretch))
             stretch -= step
             if abs(step) <= 1e-15 * stretch:
                 break
@@ -94,7 +95,7 @@ class Law:
         if not behind < ahead:
             return UnloadingWave(0.0, math.sqrt(self.tangent(ahead) / density_kg_m3))
         speed = front = 0.0
-        for (low, stress_low), (high, stress_high) in _edges(self._envelope(behind, ahead)):
+        for (low, stress_low), (high, stress_high) in pairwise(self._envelope(behind, ahead)):
             front = math.sqrt((stress_high - stress_low) / ((high - low) * density_kg_m3))
             speed += front * (high - low)
         return UnloadingWave(speed, front)
@@ -115,12 +116,6 @@ class Law:
 
 def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def _edges(
-    corners: list[tuple[float, float]],
-) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-    return list(zip(corners[:-1], corners[1:], strict=True))
 
 
 def root(function: Callable[[float], float], low: float, high: float) -> float:

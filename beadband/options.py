@@ -37,9 +37,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     """Give a command the options of a scene; unset ones stay out of the result."""
     group = parser.add_argument_group("scene")
     group.add_argument("--scene", metavar="FILE.toml", help="read the scene from a file; flags win over it")
-    group.add_argument(
-        "--band", metavar="NAME", default=argparse.SUPPRESS, help=f"{', '.join(CATALOGUE)} (III)"
-    )
+    group.add_argument("--band", metavar="NAME", default=argparse.SUPPRESS, help=f"{', '.join(CATALOGUE)} (III)")
     for key, choices in CHOICES.items():
         group.add_argument(
             "--" + key.replace("_", "-"),
@@ -49,9 +47,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
             help=_CHOICE_HELP[key],
         )
     for key, flag, kind, placeholder, text in _FLAGS:
-        group.add_argument(
-            flag, dest=key, type=kind, metavar=placeholder, default=argparse.SUPPRESS, help=text
-        )
+        group.add_argument(flag, dest=key, type=kind, metavar=placeholder, default=argparse.SUPPRESS, help=text)
 
 
 def scene_values(arguments: argparse.Namespace) -> dict[str, object]:

@@ -10,14 +10,9 @@ from dataclasses import dataclass, replace
 
 from beadband.errors import UsageError, explain
 from beadband.ring import FEWEST_BEADS
+from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s, similarity_window
 from beadband.scene import PLANNED, Scene
 from beadband.wedge import StringLimit
-
-# Shares of the front's arrival time over which the rebound speed is the slope of the rear's path.
-SPEED_WINDOW = (0.4, 0.85)
-# Bending waves start to be self-similar after h/c0 and feel the residual tension long before t_x (see window()).
-WINDOW_AFTER = 1.0
-WINDOW_BEFORE = 0.25
 
 # Where the errors of the rebound speed and of the tip curvature reach half a per cent (tests/test_convergence.py):
 # bead spacing over the length of the held bending layer, and beads of a ring without bending.
@@ -71,60 +66,11 @@ class Plan:
         return self.steps // self.frame_steps
 
 
-@dataclass(frozen=True)
-class SimilarityWindow:
-    """When the tip's curvature may follow t^(-1/2); times in s, None where there is no such time."""
-
-    start_s: float
-    end_s: float
-    reason: str | None
-    """Why there is no window, if there is none."""
-
-
-def similarity_window(scene: Scene, string: StringLimit) -> SimilarityWindow:
-    """The self-similar window from the physical scales alone.
-
-    It opens once the beam is slender for its bending waves (h/c0) and has forgotten the held shape
-    (2.5 l^2/a_b, l the length of the held bending layer), and closes at a quarter of
-    t_x = a_b density (1 + strain1)/stress1, when the residual tension begins to pull the rear straight.
-    """
-    if scene.bending_stiffness_n_m2 == 0.0:
-        return SimilarityWindow(math.nan, math.nan, "without bending there is no curvature to follow")
-    diffusivity = scene.strand(FEWEST_BEADS).bending_diffusivity_m2_s
-    start = WINDOW_AFTER * max(
-        scene.band.thickness_m / scene.band.bar_speed_m_s, 2.5 * bending_layer_m(scene) ** 2 / diffusivity
-    )
-    density, residual = scene.band.density_kg_m3, string
-    crossover = diffusivity * density * (1.0 + residual.residual_strain) / residual.residual_stress_pa
-    end = min(WINDOW_BEFORE * crossover, front_arrival_s(scene, string))
-    if end < 1.5 * start:
-        return SimilarityWindow(
-            start,
-            end,
-            f"no self-similar window: the held shape is forgotten only after {start:.3g} s, "
-            f"and the residual tension is felt from {end:.3g} s on",
-        )
-    return SimilarityWindow(start, end, None)
-
-
-def bending_layer_m(scene: Scene) -> float:
-    """Reference length over which the held tip turns into the straight leg, l = sqrt(EI/(T (1 + strain)))."""
-    tension = scene.band.area_m2 * float(scene.material.stress(1.0 + scene.strain))
-    return math.sqrt(scene.bending_stiffness_n_m2 / (tension * (1.0 + scene.strain)))
-
-
-def front_arrival_s(scene: Scene, string: StringLimit) -> float:
-    """When the front of the string limit has run through a leg, t_f = l0/(front speed)."""
-    return scene.wedge.reference_leg_m / string.front_speed_m_s
-
-
 def plan_of(scene: Scene) -> Plan:
     """Choose what the scene leaves open; UsageError for a choice of the user's that can't work."""
     if scene.until == "launch":
         raise UsageError(
-            explain(
-                "the launch is not part of this version", "--until launch", "--until release", "leave --until out"
-            )
+            explain("the launch is not part of this version", "--until launch", "--until release", "leave --until out")
         )
     string = scene.string
     reasons: list[str] = []
@@ -229,7 +175,9 @@ def _choose_beads(scene: Scene, reasons: list[str], warnings: list[str]) -> int:
         )
     wanted = finer * length / (SPEED_SPACING * layer) if layer > 0.0 else math.inf
     beads = _round_up(min(max(wanted, 0.5 * front), front))
-    reasons.append(f"{beads} beads: the front needs them for the rebound speed; a finer bending layer would not move it")
+    reasons.append(
+        f"{beads} beads: the front needs them for the rebound speed; a finer bending layer would not move it"
+    )
     return beads
 
 

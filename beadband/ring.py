@@ -71,6 +71,7 @@ def stretched_ring(strand: Strand, beads: int, strain: float, half_angle_rad: fl
     stretching, bending = half.ring.energies(points)
     centre = -float(points[0, 0])
     points = points + np.array([centre, 0.0])
+    points[0] = 0.0
     mirrored = points[1 : beads - len(points) + 1][::-1] * np.array([1.0, -1.0])
     types = np.full(len(points), UPPER)
     types[0] = TIP
@@ -223,9 +224,7 @@ class _Held:
         push = np.einsum("iab,ia->ib", frame, by_radius)
         turned = np.zeros_like(blocks)
         for k in range(3):
-            turned[k, : count - k] = (
-                frame[: count - k].transpose(0, 2, 1) @ blocks[k, : count - k] @ frame[k:]
-            )
+            turned[k, : count - k] = frame[: count - k].transpose(0, 2, 1) @ blocks[k, : count - k] @ frame[k:]
         turned[0, first:, 1, 1] -= local[first:, 0] / radius
         fixed = np.zeros((count, 2), dtype=bool)
         fixed[first:, 0] = True
@@ -291,7 +290,7 @@ def _tangents(points: Array) -> Array:
 
 def _times(blocks: Array, vector: Array) -> Array:
     """Product of the symmetric matrix of blocks with a vector over beads."""
-    product = np.einsum("iab,ib->ia", blocks[0], vector)
+    product: Array = np.einsum("iab,ib->ia", blocks[0], vector)
     for k in (1, 2):
         product[:-k] += np.einsum("iab,ib->ia", blocks[k, :-k], vector[k:])
         product[k:] += np.einsum("iba,ib->ia", blocks[k, :-k], vector[:-k])

@@ -220,9 +220,7 @@ def _check(scene: Scene) -> None:
     if scene.timestep_s is not None:
         _within("the time step is out of range", scene.timestep_s, 0.0, math.inf, "above 0 s", "--timestep")
     if scene.loss_time_s is not None and not 0.0 <= scene.loss_time_s < math.inf:
-        raise UsageError(
-            explain("the loss time is out of range", scene.loss_time_s, "0 s or more", "mend --loss-time")
-        )
+        raise UsageError(explain("the loss time is out of range", scene.loss_time_s, "0 s or more", "mend --loss-time"))
     closing = (1.0 + scene.strain) * math.sin(scene.half_angle_rad)
     if closing >= 1.0:
         raise UsageError(

@@ -43,7 +43,9 @@ def read_scene(path: str | os.PathLike[str]) -> dict[str, object]:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise UsageError(
-            explain("the scene file is malformed", f"{str(path)!r}: {error}", "TOML, one 'key = value' a line", "mend it")
+            explain(
+                "the scene file is malformed", f"{str(path)!r}: {error}", "TOML, one 'key = value' a line", "mend it"
+            )
         ) from error
     known = _aliases()
     values: dict[str, object] = {}

@@ -66,7 +66,10 @@ def bands(rows: list[dict[str, Any]]) -> str:
         lines.append([heading, unit, *cells])
     widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
     text = [
-        "  ".join(cell.ljust(width) if i < 2 else cell.rjust(width) for i, (cell, width) in enumerate(zip(line, widths, strict=True)))
+        "  ".join(
+            cell.ljust(width) if i < 2 else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(line, widths, strict=True))
+        )
         for line in lines
     ]
     notes = (
@@ -115,21 +118,33 @@ def run(done: Run) -> str:
     energy = values["energy"]
     rows = [
         ("rebound speed V", f"{_with_error(speed, error)} m/s"),
-        ("string limit (EI -> 0)", f"{string:.4g} m/s; V is {abs(speed / string - 1.0):.2%} "
-         f"{'above' if speed > string else 'below'}"),
+        (
+            "string limit (EI -> 0)",
+            f"{string:.4g} m/s; V is {abs(speed / string - 1.0):.2%} {'above' if speed > string else 'below'}",
+        ),
         *(
-            (f"V/C, {names[key]}", f"{values['rebound_ratio'][key]:.4f} with C = {wave:.2f} m/s; "
-             f"alpha = {values['alpha'][key]:.3f}")
+            (
+                f"V/C, {names[key]}",
+                f"{values['rebound_ratio'][key]:.4f} with C = {wave:.2f} m/s; alpha = {values['alpha'][key]:.3f}",
+            )
             for key, wave in values["wave_speeds_m_s"].items()
         ),
         ("tip curvature", _curvature_text(values)),
-        ("energy", f"{energy['stored_j'] * 1e3:.4g} mJ stored; at the end "
-         + ", ".join(f"{energy[key + '_j'] / energy['stored_j']:.1%} {key}" for key in
-                     ("kinetic", "stretching", "bending", "dissipated"))
-         + f"; balanced to {energy['balance_error']:.1g}"),
+        (
+            "energy",
+            f"{energy['stored_j'] * 1e3:.4g} mJ stored; at the end "
+            + ", ".join(
+                f"{energy[key + '_j'] / energy['stored_j']:.1%} {key}"
+                for key in ("kinetic", "stretching", "bending", "dissipated")
+            )
+            + f"; balanced to {energy['balance_error']:.1g}",
+        ),
         ("beads, steps", f"{done.plan.beads}, {done.plan.steps} of {done.plan.timestep_s:.3g} s"),
-        ("time spent", ", ".join(f"{part} {seconds:.2f}" for part, seconds in done.wall_s.items())
-         + f" s; {sum(done.wall_s.values()):.2f} s in all"),
+        (
+            "time spent",
+            ", ".join(f"{part} {seconds:.2f}" for part, seconds in done.wall_s.items())
+            + f" s; {sum(done.wall_s.values()):.2f} s in all",
+        ),
     ]
     width = max(len(name) for name, _ in rows)
     head = (

@@ -75,10 +75,7 @@ def test_help_needs_nothing_heavy() -> None:
 
 
 def test_a_release_needs_neither_scipy_nor_mdanalysis() -> None:
-    code = (
-        "import sys, beadband.release\n"
-        "print(sorted({'scipy', 'MDAnalysis', 'matplotlib'} & set(sys.modules)))"
-    )
+    code = "import sys, beadband.release\nprint(sorted({'scipy', 'MDAnalysis', 'matplotlib'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
@@ -128,9 +125,7 @@ def test_run_analyze_and_plot(
     assert main(["run", "--beads", "120", "--out", str(folder)]) == 2
 
 
-def test_flags_win_over_the_scene_file(
-    capsys: pytest.CaptureFixture[str], default_run: tuple[Run, Path]
-) -> None:
+def test_flags_win_over_the_scene_file(capsys: pytest.CaptureFixture[str], default_run: tuple[Run, Path]) -> None:
     """A finished scene changed by a flag is planned anew; unchanged, it is taken to the letter."""
     scene = str(default_run[1] / "scene.toml")
     assert main(["plan", "--json", "--scene", scene]) == 0

@@ -10,10 +10,10 @@ import time
 from pathlib import Path
 
 import pytest
+from beadband.analysis.trajectory import read, read_mdanalysis
 
 from beadband import folder as files
 from beadband import release
-from beadband.analysis.trajectory import read, read_mdanalysis
 from beadband.errors import UsageError
 from beadband.results import Run, to_json
 from beadband.scene import KEYS, scene_of
@@ -119,7 +119,15 @@ def test_scene_files(tmp_path: Path) -> None:
     assert (scene.band.name, scene.half_angle_deg, scene.band.thickness_m, scene.beads) == ("II", 10.0, 1e-3, 200)
     path.write_text(scene_text(scene))
     assert scene_of(read_scene(path)) == scene
-    for text in ("strain = ", 'strain = "x"', "straim = 1", "beads = 2.5", "strain = true", "band = 3", "half_angle = 1\nhalf_angle_deg = 1"):
+    for text in (
+        "strain = ",
+        'strain = "x"',
+        "straim = 1",
+        "beads = 2.5",
+        "strain = true",
+        "band = 3",
+        "half_angle = 1\nhalf_angle_deg = 1",
+    ):
         path.write_text(text)
         with pytest.raises(UsageError):
             scene_of(read_scene(path))

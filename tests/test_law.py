@@ -43,8 +43,12 @@ def test_stress_and_tangent_are_derivatives_of_the_energy(law: Law) -> None:
     stretch = np.linspace(0.4, 2.4, 41) + 0.0j
     step = 1e-30j
     scale = law.rest_modulus_pa
-    assert np.allclose(np.imag(law.energy(stretch + step)) / 1e-30, law.stress(stretch).real, rtol=1e-12, atol=1e-12 * scale)
-    assert np.allclose(np.imag(law.stress(stretch + step)) / 1e-30, law.tangent(stretch).real, rtol=1e-12, atol=1e-12 * scale)
+    assert np.allclose(
+        np.imag(law.energy(stretch + step)) / 1e-30, law.stress(stretch).real, rtol=1e-12, atol=1e-12 * scale
+    )
+    assert np.allclose(
+        np.imag(law.stress(stretch + step)) / 1e-30, law.tangent(stretch).real, rtol=1e-12, atol=1e-12 * scale
+    )
     assert law.energy(1.0) == 0.0
     assert law.stress(1.0) == 0.0
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from beadband.analysis.trajectory import read
 from conftest import REQUIRE_ALL
 
 from beadband import folder as files
-from beadband.analysis.trajectory import read
 from beadband.results import Run
 
 if not REQUIRE_ALL:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -152,7 +153,7 @@ def test_held_tip_converges_to_the_exact_elastica(law: str) -> None:
         turning = math.pi - 2.0 * math.atan2(bond[1], bond[0])
         errors.append(abs(turning / scene.strand(beads).spacing_m / exact - 1.0))
     assert errors[-1] < 2e-3
-    orders = [math.log2(coarse / fine) for coarse, fine in zip(errors[:-1], errors[1:], strict=True)]
+    orders = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
     assert orders[-1] > 1.9
 
 

@@ -16,7 +16,12 @@ PHI = math.radians(14.0)
 
 @pytest.mark.parametrize(
     ("band", "speed", "residual", "front"),
-    [("I", 29.363, 0.01102, 49.34), ("II", 16.937, 0.01436, 28.67), ("III", 17.480, 0.01339, 29.52), ("IV", 16.678, 0.01014, 27.97)],
+    [
+        ("I", 29.363, 0.01102, 49.34),
+        ("II", 16.937, 0.01436, 28.67),
+        ("III", 17.480, 0.01339, 29.52),
+        ("IV", 16.678, 0.01014, 27.97),
+    ],
 )
 def test_mooney_rivlin_string(band: str, speed: float, residual: float, front: float) -> None:
     found = string_limit(law_of("mooney-rivlin", CATALOGUE[band]), CATALOGUE[band].density_kg_m3, 0.476, PHI)
