@@ -42,8 +42,7 @@ def slope(times_s: Array, values: Array, start_s: float, end_s: float) -> Measur
 
 def speeds(times_s: Array, positions_m: Array) -> Array:
     """Speed over time (frames,), by central differences."""
-    rates: Array = np.gradient(positions_m, times_s)
-    return rates
+    return np.asarray(np.gradient(positions_m, times_s), dtype=np.float64)
 
 
 def curvatures(before_m: Array, tip_m: Array, after_m: Array, spacing_m: float) -> Array:
@@ -51,7 +50,8 @@ def curvatures(before_m: Array, tip_m: Array, after_m: Array, spacing_m: float) 
     first, second = tip_m - before_m, after_m - tip_m
     cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
     dot = np.sum(first * second, axis=1)
-    return np.abs(np.arctan2(cross, dot)) / spacing_m
+    angles: Array = np.abs(np.arctan2(cross, dot))
+    return angles / spacing_m
 
 
 def hann_mean(times_s: Array, values: Array, centre_s: float, half_width_s: float) -> float:
