@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from beadband.analysis.tip import Array, Decay, Measured, curvatures, decay, slope, speeds
 from beadband.analysis.trajectory import Energies, Trajectory
-
 from beadband.beam import eq7_curvature
 from beadband.errors import UsageError, explain
 from beadband.plan import Plan

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from beadband.analysis.trajectory import Trajectory
 
+from beadband.analysis.trajectory import Trajectory
 from beadband.beam import at_rest_curvature, eq7_curvature
 from beadband.scales import SPEED_WINDOW
 

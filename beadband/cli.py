@@ -14,7 +14,7 @@ from typing import NoReturn
 from beadband import __version__
 from beadband.errors import BeadbandError
 
-RESERVED = ("verify", "reproduce", "pareto", "stability", "sweep", "movie", "report")
+RESERVED = ("pareto", "stability", "sweep", "movie", "report")
 """Commands whose names are kept for later versions."""
 
 
@@ -61,6 +61,12 @@ def build_parser() -> argparse.ArgumentParser:
     run.add_argument("--out", metavar="DIR", help="new or empty folder for the run (default: named after the scene)")
     command("analyze", "measure a run again, from the files in its folder", folder=True)
     command("plot", "the pictures of a run", folder=True)
+    verify = command("verify", "independent checks against exact answers")
+    verify.add_argument("--only", metavar="NAME", help="one rung of the ladder")
+    reproduce = command("reproduce", "the paper, figure by figure, with a scorecard")
+    reproduce.add_argument("--out", metavar="DIR", help="new or empty folder (default: reproduction)")
+    reproduce.add_argument("--only", metavar="ITEM", help="one figure or table, as in fig18, table1 or appendix")
+    reproduce.add_argument("--quick", action="store_true", help="coarser grids of scenes")
     for name in RESERVED:
         later = commands.add_parser(name, description="Not part of this version.", add_help=False)
         later.set_defaults(handler="reserved", name=name)

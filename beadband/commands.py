@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from argparse import Namespace
 
 from beadband.options import scene_values
@@ -35,7 +36,7 @@ def run(arguments: Namespace) -> int:
 
     scene = scene_of(scene_values(arguments))
     out = arguments.out if arguments.out is not None else folder.next_free(_name(scene))
-    done = release.run(scene, out, _Progress() if sys.stderr.isatty() else None)
+    done = release.run(scene, out, _Progress("releasing: step") if sys.stderr.isatty() else None)
     print(results.to_json(results.as_dict(done)) if arguments.json else tables.run(done), end="")
     print(f"files in {out}", file=sys.stderr)
     return _verdict(results.failed_checks(done))
@@ -62,6 +63,32 @@ def plot(arguments: Namespace) -> int:
     return 0
 
 
+def verify(arguments: Namespace) -> int:
+    """Climb the ladder of checks."""
+    from beadband import verification
+    from beadband.verification import report
+
+    start = time.perf_counter()
+    checks = verification.verify(arguments.only)
+    seconds = time.perf_counter() - start
+    print(json.dumps(report.as_dict(checks, seconds), indent=1) if arguments.json else report.table(checks))
+    print(f"{len(checks)} checks in {seconds:.0f} s", file=sys.stderr)
+    return 3 if any(check.failed for check in checks) else 0
+
+
+def reproduce(arguments: Namespace) -> int:
+    """Draw the paper's figures and write the scorecard."""
+    from beadband import folder, reproduction
+
+    reproduction.check_item(arguments.only)
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("reproduction"))
+    follow = _Progress("scene") if sys.stderr.isatty() else None
+    card = reproduction.reproduce(out, arguments.only, arguments.quick, follow)
+    print(json.dumps(card, indent=1) if arguments.json else (out / "scorecard.md").read_text(encoding="utf-8"))
+    print(f"files in {out}; {card['scenes']} scenes in {card['wall_s']:.0f} s", file=sys.stderr)
+    return 0
+
+
 def _name(scene: Scene) -> str:
     return f"{scene.until}-{scene.band.name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
 
@@ -73,8 +100,11 @@ def _verdict(failures: list[str]) -> int:
 
 
 class _Progress:
-    """A line on the terminal that says how far LAMMPS is, once a run takes long enough to wonder."""
+    """A line on the terminal that says how far the work is, once it takes long enough to wonder."""
 
-    def __call__(self, done: int, steps: int) -> None:
-        end = "\n" if done >= steps else ""
-        print(f"\rreleasing: step {done} of {steps} ({done / steps:.0%})", end=end, file=sys.stderr, flush=True)
+    def __init__(self, unit: str) -> None:
+        self.unit = unit
+
+    def __call__(self, done: int, total: int) -> None:
+        end = "\n" if done >= total else ""
+        print(f"\r{self.unit} {done} of {total} ({done / total:.0%})", end=end, file=sys.stderr, flush=True)

@@ -24,7 +24,8 @@ RESULTS = "results.json"
 LOG = "log.lammps"
 
 TABLE_POINTS = 2001
-_DEEPEST_STRETCH = 0.3
+DEEPEST_STRETCH = 0.3
+"""Where the bond table begins."""
 _NEVER = 2_000_000_000
 _LOSS_SAMPLES = 8
 """Times in a frame at which the power of the dashpots is taken."""
@@ -153,7 +154,7 @@ Masses
 def bond_table(strand: Strand, strain: float) -> str:
     """Energy and force of a bond from deep compression to a quarter beyond the held strain."""
     law, a, area = strand.law, strand.spacing_m, strand.area_m2
-    stretch = np.linspace(_DEEPEST_STRETCH, 1.0 + 1.25 * strain, TABLE_POINTS)
+    stretch = np.linspace(DEEPEST_STRETCH, 1.0 + 1.25 * strain, TABLE_POINTS)
     energy, force = a * area * law.energy(stretch), -area * law.stress(stretch)
     slopes = [-area * float(law.tangent(stretch[end])) / a for end in (0, -1)]
     rows = "".join(

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from beadband.analysis.measurement import Measurement
 
 from beadband import release
+from beadband.analysis.measurement import Measurement
 from beadband.plan import Plan, plan_of
 from beadband.results import Run
 from beadband.scene import scene_of

@@ -10,10 +10,10 @@ import time
 from pathlib import Path
 
 import pytest
-from beadband.analysis.trajectory import read, read_mdanalysis
 
 from beadband import folder as files
 from beadband import release
+from beadband.analysis.trajectory import read, read_mdanalysis
 from beadband.errors import UsageError
 from beadband.results import Run, to_json
 from beadband.scene import KEYS, scene_of

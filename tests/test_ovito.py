@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from beadband.analysis.trajectory import read
-from conftest import REQUIRE_ALL
 
 from beadband import folder as files
+from beadband.analysis.trajectory import read
 from beadband.results import Run
+from conftest import REQUIRE_ALL
 
 if not REQUIRE_ALL:
     pytest.importorskip("ovito")

@@ -11,18 +11,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from beadband.analysis.tip import curvatures, hann_mean
-from beadband.analysis.trajectory import read, read_energies, read_mdanalysis
-from conftest import rear_of
 
 from beadband import folder as files
 from beadband import release
+from beadband.analysis.tip import curvatures, hann_mean
+from beadband.analysis.trajectory import read, read_energies, read_mdanalysis
 from beadband.band import CATALOGUE
 from beadband.engine import run_script
 from beadband.errors import RunError
 from beadband.plan import plan_of
 from beadband.results import Run, as_dict, failed_checks
 from beadband.scene import scene_of
+from conftest import rear_of
 
 FINE = 1200
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from beadband.analysis.tip import curvatures, decay, hann_mean, slope
 from beadband.analysis.trajectory import Trajectory
 
