@@ -36,7 +36,8 @@ def prefactor(half_angle_deg: float) -> Measured:
     every = math.ceil(_UNTIL_S / _FRAMES / largest)
     record = run(specimen, _UNTIL_S / _FRAMES / every, _FRAMES * every, every)
     tip = _BEADS
-    kappa = curvatures(*(record.positions_m[:, tip + k] for k in (-1, 0, 1)), strand.spacing_m)
+    before, at, after = (record.positions_m[:, tip + k] for k in (-1, 0, 1))
+    kappa = curvatures(before, at, after, strand.spacing_m)
     late = record.times_s >= _FROM_S
     eq7 = eq7_curvature(record.times_s[late], half_angle, strand.bending_diffusivity_m2_s)
     ratio = kappa[late] / eq7

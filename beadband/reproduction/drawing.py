@@ -70,4 +70,4 @@ class Sheet:
 
 def _names(entry: Entry, name: str) -> bool:
     """Whether an entry speaks of the figure of that name: 'Fig. 12' of fig12."""
-    return entry.item.replace("Fig. ", "fig").replace(",", "").split()[0] == name
+    return entry.item.replace("Fig. ", "fig").replace("Appendix, Eq.", "appendix ").replace(",", "").split()[0] == name

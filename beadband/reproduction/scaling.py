@@ -5,7 +5,7 @@ from __future__ import annotations
 from beadband.band import CATALOGUE
 from beadband.reproduction.drawing import SERIES, Sheet
 from beadband.reproduction.runs import Runs, Values
-from beadband.reproduction.scorecard import CONFIRMED, DISAGREEMENT, Entry
+from beadband.reproduction.scorecard import CHOICE, CONFIRMED, DISAGREEMENT, Entry
 
 _BAND = CATALOGUE["III"]
 
@@ -57,7 +57,7 @@ def scenes(quick: bool) -> list[Values]:
 
 
 def appendix(sheet: Sheet, runs: Runs, quick: bool) -> list[Entry]:
-    """Change of V/C under each variation."""
+    """Change of V/C under each variation, and the three meanings of C."""
     changes: dict[str, dict[str, float]] = {}
     for law in ("mooney-rivlin", "linear"):
         base = runs.of(_values(law)).ratio("bar")
@@ -87,7 +87,16 @@ def appendix(sheet: Sheet, runs: Runs, quick: bool) -> list[Entry]:
     width = max(abs(changes[law]["width × 4 (h/b / 4)"]) for law in changes)
     around = changes["mooney-rivlin"]["circumference × 2 (h/Cb / 2)"]
     both = max(abs(changes[law]["thickness × 2, circumference × 2"]) for law in changes)
+    speeds = runs.of(_values("mooney-rivlin")).wave_speeds
     return [
+        Entry(
+            "Appendix, C",
+            "C = √(E/ρ), while the geometry of section 3.3 takes C as the speed at which the front nears the finger",
+            f"for Band III √(E/ρ) = {speeds['bar']:.2f} m/s, √(E0/ρ) = {speeds['rest']:.2f} m/s and the front's horizontal "
+            f"speed {speeds['front_horizontal']:.2f} m/s",
+            f"factor {speeds['front_horizontal'] / speeds['bar']:.3f} between the two meanings",
+            CHOICE,
+        ),
         Entry(
             "Appendix, scaling",
             "V/C is the same for equal groups",
