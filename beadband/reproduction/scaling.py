@@ -81,7 +81,7 @@ def appendix(sheet: Sheet, runs: Runs, quick: bool) -> list[Entry]:
         xlim=(1e-16, 1.0),
     )
     axes.invert_yaxis()
-    axes.legend(loc="center", fontsize=8)
+    axes.legend(loc="upper right", fontsize=8)
     sheet.save(figure, "appendix")
     scale = max(abs(changes[law]["size × 3, E × 2, ρ / 2"]) for law in changes)
     width = max(abs(changes[law]["width × 4 (h/b / 4)"]) for law in changes)
@@ -92,8 +92,8 @@ def appendix(sheet: Sheet, runs: Runs, quick: bool) -> list[Entry]:
         Entry(
             "Appendix, C",
             "C = √(E/ρ), while the geometry of section 3.3 takes C as the speed at which the front nears the finger",
-            f"for Band III √(E/ρ) = {speeds['bar']:.2f} m/s, √(E0/ρ) = {speeds['rest']:.2f} m/s and the front's horizontal "
-            f"speed {speeds['front_horizontal']:.2f} m/s",
+            f"for Band III √(E/ρ) = {speeds['bar']:.2f} m/s, √(E0/ρ) = {speeds['rest']:.2f} m/s and the front's "
+            f"horizontal speed {speeds['front_horizontal']:.2f} m/s",
             f"factor {speeds['front_horizontal'] / speeds['bar']:.3f} between the two meanings",
             CHOICE,
         ),
