@@ -108,4 +108,6 @@ def _complaint(text: str) -> str:
             "bonds within the table of the law",
             "lower --timestep, or give the shock a loss with --loss-time",
         )
+    if re.search(r"no space left|writing|cannot open|permission", message, re.IGNORECASE):
+        return explain("LAMMPS could not use a file", message, "a folder with room that can be written", "free some")
     return explain("LAMMPS refused the script", message, "a script it can run", "see log.lammps in the run's folder")

@@ -29,7 +29,7 @@ MOST_STEPS = 2_000_000_000
 STEP_SHARE = 0.65
 """Share of the largest stable step that is used."""
 LOSS_BEADS = 0.2
-"""Numerical loss time in units of the time that a wave at sqrt(E/density) needs from bead to bead."""
+"""Viscosity of the numerical loss over (spacing x density x front speed)."""
 _REAR_FRAMES = 240
 _FEWEST_REAR_FRAMES = 120
 _FEWEST_REAR_STEPS = 4  # the fastest bending mode has a period of pi largest steps: averages must span it
@@ -80,14 +80,17 @@ def plan_of(scene: Scene) -> Plan:
         raise UsageError(explain("too few beads", beads, f"{FEWEST_BEADS} or more", "raise --beads"))
     strand = scene.strand(beads)
 
+    # Viscous stress of a front over that of its inertia: the loss time is defined by E, which need not be the law's.
+    band = scene.band
+    front_loss_s = strand.spacing_m * band.density_kg_m3 * string.front_speed_m_s / band.modulus_pa
     loss_time = scene.loss_time_s
     if loss_time is None:
-        loss_time = LOSS_BEADS * strand.spacing_m / scene.band.bar_speed_m_s
+        loss_time = LOSS_BEADS * front_loss_s
         reasons.append(
-            f"loss time {loss_time:.3g} s: {LOSS_BEADS} of a wave's time from bead to bead, enough to give the front "
-            "a smooth profile of a few beads, and vanishing with the mesh"
+            f"loss time {loss_time:.3g} s: {LOSS_BEADS} of the front's time from bead to bead, enough to give it a "
+            "smooth profile of a few beads, and vanishing with the mesh"
         )
-    loss_beads = loss_time / strand.spacing_m * scene.band.bar_speed_m_s
+    loss_beads = loss_time / front_loss_s
     compression = _compression(scene, string, loss_beads, warnings)
     largest = strand.largest_step_s(loss_time, scene.strain, compression)
     arrival = front_arrival_s(scene, string)
@@ -229,7 +232,7 @@ def _compression(scene: Scene, string: StringLimit, loss_beads: float, warnings:
     if string.front_speed_m_s < 1.01 * head_speed:
         return 0.75
     warnings.append(
-        f"this law unloads through a shock, and a loss of {loss_beads:.2g} of a wave's time from bead to bead does "
+        f"this law unloads through a shock, and a loss of {loss_beads:.2g} of the front's time from bead to bead does "
         "not resolve it: it rings, and the rebound speed is about 1 % too low whatever the number of beads"
     )
     return 0.5

@@ -75,6 +75,23 @@ def test_folders_in_the_way(tmp_path: Path, default_run: tuple[Run, Path]) -> No
     assert files.create(tmp_path / "new" / "deep").is_dir()
 
 
+def test_what_lammps_says_becomes_one_line_with_advice() -> None:
+    from beadband.engine import _complaint
+
+    for text, advice in (
+        ("ERROR on proc 0: Bond length < table inner cutoff: type 1 length 1 (src/src/x.cpp:5)", "--timestep"),
+        (
+            "ERROR: Error writing dump frames: No space left on device (src/src/dump.cpp:1)\nLast input line: run",
+            "room",
+        ),
+        ("ERROR: Unknown command: nonsense (src/src/input.cpp:314)", "log.lammps"),
+    ):
+        line = _complaint(text)
+        assert "\n" not in line
+        assert ".cpp" not in line
+        assert advice in line
+
+
 def test_free_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert files.next_free("run") == Path("run")
