@@ -1,6 +1,6 @@
 """The plan: how many beads, which step, loss and frames a scene needs, each with its reason.
 
-The rules are fits to measured errors; the runs behind them are repeated by tests/test_convergence.py.
+The rules come from measured errors; tests/test_release.py and tests/test_plan.py hold them to it.
 """
 
 from __future__ import annotations
@@ -14,12 +14,15 @@ from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s, simi
 from beadband.scene import PLANNED, Scene
 from beadband.wedge import StringLimit
 
-# Where the errors of the rebound speed and of the tip curvature reach half a per cent (tests/test_convergence.py):
-# bead spacing over the length of the held bending layer, and beads of a ring without bending.
+# Where the errors of the rebound speed and of the tip curvature reach half a per cent:
+# bead spacing over the length of the held bending layer; and, without bending, beads of the ring and of that half of
+# the rear which the kink has left behind it when the front arrives.
 TOLERANCE_OF_RULES = 0.005
 CURVATURE_SPACING = 0.6
-SPEED_SPACING = 1.2
+SPEED_SPACING = 0.8
 FRONT_BEADS = 400
+REAR_BEADS = 12
+LEAST_BEADS = 240
 COARSEST_SPACING = 1.5
 """Beyond this share of the bending layer the tip curvature is not measured at all."""
 MOST_PLANNED_BEADS = 6000
@@ -162,9 +165,11 @@ def _choose_beads(scene: Scene, reasons: list[str], warnings: list[str]) -> int:
     """Beads from the bending layer and from the front; the errors behind the numbers are of second order in a."""
     layer, length = bending_layer_m(scene), scene.band.circumference_m
     finer = math.sqrt(TOLERANCE_OF_RULES / scene.tolerance)
-    front = finer * FRONT_BEADS
+    sine = math.sin(scene.half_angle_rad)
+    rear_share = scene.wedge.reference_leg_m / length * scene.strain * sine / (1.0 - sine)
+    front = finer * max(FRONT_BEADS, REAR_BEADS / rear_share)
     if scene.purpose == "curvature" and layer > 0.0:
-        wanted = max(finer * length / (CURVATURE_SPACING * layer), FRONT_BEADS / 2.0)
+        wanted = max(finer * length / (CURVATURE_SPACING * layer), LEAST_BEADS)
         if wanted <= MOST_PLANNED_BEADS:
             beads = _round_up(wanted)
             reasons.append(
@@ -177,9 +182,16 @@ def _choose_beads(scene: Scene, reasons: list[str], warnings: list[str]) -> int:
             "and is not resolved (set --beads to insist)"
         )
     wanted = finer * length / (SPEED_SPACING * layer) if layer > 0.0 else math.inf
-    beads = _round_up(min(max(wanted, 0.5 * front), front))
+    wanted = min(max(wanted, finer * LEAST_BEADS), front)
+    if wanted > MOST_PLANNED_BEADS:
+        warnings.append(
+            f"the rebound speed would need {wanted:.0f} beads for this tolerance; the plan stops at "
+            f"{MOST_PLANNED_BEADS} (set --beads to insist)"
+        )
+    beads = _round_up(min(wanted, MOST_PLANNED_BEADS))
     reasons.append(
-        f"{beads} beads: the front needs them for the rebound speed; a finer bending layer would not move it"
+        f"{beads} beads: the front and the kinks need them for the rebound speed, which a finer bending layer would "
+        "not move"
     )
     return beads
 
@@ -212,6 +224,10 @@ def _sampling(scene: Scene, string: StringLimit, arrival: float, target: float) 
         rear_frames = max(rear_frames, _FEWEST_REAR_FRAMES)
     frames = scene.frames or min(FRAMES, rear_frames)
     every = math.ceil(rear_frames / frames)
+    if scene.timestep_s is not None and scene.frames is None:
+        # A given step can't be stretched to end with the front: as few steps beyond as the frames allow.
+        every = max(1, rear_frames // frames)
+        frames = math.ceil(rear_frames / every)
     steps = every * rear_steps * frames
     if steps > MOST_STEPS:
         raise UsageError(

@@ -1,0 +1,84 @@
+"""The plan keeps its word: errors within the tolerance and within the error bar, over very different scenes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from beadband import release
+from beadband.errors import UsageError
+from beadband.plan import MOST_PLANNED_BEADS, plan_of
+from beadband.scales import bending_layer_m, similarity_window
+from beadband.scene import scene_of
+
+SCENES: list[dict[str, Any]] = [
+    {"band": "I", "law": "linear", "strain": 0.0856, "half_angle_deg": 20.3, "bending_scale": 1e-4},
+    {"band": "II", "law": "linear", "strain": 0.0588, "half_angle_deg": 16.0, "bending_scale": 0.0},
+    {"band": "circular", "strain": 0.0747, "half_angle_deg": 31.6},
+    {"band": "IV", "law": "linear", "strain": 0.052, "half_angle_deg": 27.5, "bending_scale": 4.0},
+    {"band": "I", "strain": 0.1, "half_angle_deg": 5.0},
+    {"band": "III", "strain": 1.2, "half_angle_deg": 5.0},
+    {"band": "II", "law": "linear", "strain": 1.0, "half_angle_deg": 28.0},
+]
+
+
+@pytest.mark.parametrize("values", SCENES, ids=lambda values: f"{values['band']}-{values['strain']}")
+def test_planned_speed_is_within_tolerance_and_error_bar(values: dict[str, Any]) -> None:
+    plan = plan_of(scene_of({**values, "for": "speed"}))
+    found = release.follow_rear(plan).speed_m_s
+    estimate = release.estimate_of(plan)
+    assert estimate is not None
+    bar = math.hypot(found.error, estimate.speed_m_s - found.value)
+    finer = plan_of(scene_of({**values, "beads": min(4 * plan.beads, 4000)}))
+    error = abs(found.value - release.follow_rear(finer).speed_m_s.value)
+    assert error < plan.scene.tolerance * found.value
+    assert error < bar
+
+
+def test_tighter_tolerances_take_more_beads_and_say_why() -> None:
+    beads = [plan_of(scene_of({"tolerance": tolerance})).beads for tolerance in (0.02, 0.005, 0.001)]
+    assert beads == sorted(set(beads))
+    assert beads[2] / beads[1] == pytest.approx(math.sqrt(5.0), rel=0.05)  # second order in the spacing
+    assert any(
+        "bending layer" in warning or "layer" in warning
+        for warning in plan_of(scene_of({"bending_scale": 1e-6})).warnings
+    )
+    assert plan_of(scene_of({"tolerance": 1e-6, "for": "speed"})).beads == MOST_PLANNED_BEADS
+
+
+def test_step_ends_with_the_front_and_stays_below_the_limit() -> None:
+    for values in SCENES:
+        plan = plan_of(scene_of(values))
+        assert plan.steps * plan.timestep_s == pytest.approx(plan.front_arrival_s, rel=1e-12)
+        assert plan.timestep_s < 0.66 * plan.largest_timestep_s
+        assert plan.steps % plan.frame_steps == 0
+        assert plan.frame_steps % plan.rear_steps == 0
+
+
+def test_a_step_of_the_users_is_kept() -> None:
+    plan = plan_of(scene_of({"timestep_s": 1.3e-6}))
+    assert plan.timestep_s == 1.3e-6
+    assert plan.front_arrival_s <= plan.steps * 1.3e-6 < 1.03 * plan.front_arrival_s
+
+
+def test_loss_without_which_a_shock_rings_is_warned_about() -> None:
+    assert any("shock" in warning for warning in plan_of(scene_of({"loss_time_s": 0.0})).warnings)
+    assert not any("shock" in warning for warning in plan_of(scene_of({"loss_time_s": 0.0, "law": "linear"})).warnings)
+
+
+def test_bending_layer_and_window_scale_with_the_band() -> None:
+    base, double = scene_of({}), scene_of({"thickness_m": 4.0e-3})
+    assert bending_layer_m(double) == pytest.approx(2.0 * bending_layer_m(base), rel=1e-12)
+    window, wider = similarity_window(base, base.string), similarity_window(double, double.string)
+    assert wider.start_s == pytest.approx(2.0 * window.start_s, rel=1e-9)
+    wide = scene_of({"strain": 0.9, "half_angle_deg": 30.0})
+    assert similarity_window(wide, wide.string).reason is not None
+
+
+def test_steps_that_do_not_divide_are_refused() -> None:
+    with pytest.raises(UsageError, match="do not divide"):
+        plan_of(scene_of({"steps": 101, "frames": 10, "rear_steps": 4, "timestep_s": 1e-7}))
+    with pytest.raises(UsageError, match="too short"):
+        plan_of(scene_of({"steps": 100, "frames": 10, "rear_steps": 5, "timestep_s": 1e-7}))
