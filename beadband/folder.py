@@ -167,9 +167,11 @@ def bond_table(strand: Strand, strain: float) -> str:
     )
 
 
-def script_text() -> str:
-    """The release script of :mod:`beadband.lmp_inputs`."""
-    return files("beadband.lmp_inputs").joinpath(SCRIPT).read_text(encoding="utf-8")
+def with_variables(name: str, variables: dict[str, int | float]) -> str:
+    """A script of :mod:`beadband.lmp_inputs` under the variables that it needs, to the last digit."""
+    text = files("beadband.lmp_inputs").joinpath(name).read_text(encoding="utf-8")
+    lines = (f"variable        {key} index {format(value, '.17g')}\n" for key, value in variables.items())
+    return "".join(lines) + "\n" + text
 
 
 def script(plan: Plan, ring: Ring, pictures: bool) -> str:
@@ -195,13 +197,7 @@ def script(plan: Plan, ring: Ring, pictures: bool) -> str:
         "loss_every": loss_every if pictures else 1,
         "loss_average": plan.frame_steps // loss_every if pictures else 1,
     }
-    head = "".join(
-        f"variable        {name} index {value:.17g}\n"
-        if isinstance(value, float)
-        else f"variable        {name} index {value}\n"
-        for name, value in variables.items()
-    )
-    return f"{head}\n{script_text()}"
+    return with_variables(SCRIPT, variables)
 
 
 def dashpot_cutoff_m(ring: Ring) -> float:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from beadband.analysis.measurement import Balance, Measurement
+from beadband.analysis.tip import Measured
 from beadband.plan import Plan
 from beadband.ring import Ring
 
@@ -67,12 +68,14 @@ def failed_checks(run: Run) -> list[str]:
     return failures
 
 
+def joined_error_m_s(fit: Measured, estimate: Estimate | None) -> float:
+    """Error of a rebound speed: that of the fit, and the difference to the other number of beads."""
+    return fit.error if estimate is None else math.hypot(fit.error, estimate.speed_m_s - fit.value)
+
+
 def speed_error_m_s(run: Run) -> float:
-    """Error of the rebound speed: that of the fit, and the difference to the other number of beads."""
-    fit = run.measurement.speed_m_s
-    if run.estimate is None:
-        return fit.error
-    return math.hypot(fit.error, run.estimate.speed_m_s - fit.value)
+    """Error of the rebound speed of a run."""
+    return joined_error_m_s(run.measurement.speed_m_s, run.estimate)
 
 
 def _spread(value: float, fit_error: float, other: float | None) -> float:

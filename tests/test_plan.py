@@ -10,6 +10,7 @@ import pytest
 from beadband import release
 from beadband.errors import UsageError
 from beadband.plan import MOST_PLANNED_BEADS, plan_of
+from beadband.results import joined_error_m_s
 from beadband.scales import bending_layer_m, similarity_window
 from beadband.scene import scene_of
 
@@ -30,7 +31,7 @@ def test_planned_speed_is_within_tolerance_and_error_bar(values: dict[str, Any])
     found = release.follow_rear(plan).speed_m_s
     estimate = release.estimate_of(plan)
     assert estimate is not None
-    bar = math.hypot(found.error, estimate.speed_m_s - found.value)
+    bar = joined_error_m_s(found, estimate)
     finer = plan_of(scene_of({**values, "beads": min(4 * plan.beads, 4000)}))
     error = abs(found.value - release.follow_rear(finer).speed_m_s.value)
     assert error < plan.scene.tolerance * found.value

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Any
 
-import numpy as np
-
 from beadband.analysis.tip import Array, Decay, Measured
 from beadband.errors import BeadbandError, UsageError
 from beadband.scales import SimilarityWindow
@@ -107,6 +105,7 @@ def _release(values: Values) -> Found | str:
     """Release a scene and its coarser twin in a worker process."""
     from beadband.plan import plan_of
     from beadband.release import estimate_of, follow_rear
+    from beadband.results import joined_error_m_s
     from beadband.scene import scene_of
 
     try:
@@ -114,9 +113,8 @@ def _release(values: Values) -> Found | str:
         found = follow_rear(plan)
     except BeadbandError as error:
         return str(error)
-    estimate = estimate_of(plan)
     speed = found.speed_m_s
-    spread = speed.error if estimate is None else float(np.hypot(speed.error, estimate.speed_m_s - speed.value))
+    spread = joined_error_m_s(speed, estimate_of(plan))
     scene = plan.scene
     return Found(
         values=values,

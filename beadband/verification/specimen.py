@@ -6,7 +6,6 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.resources import files as resources
 from pathlib import Path
 
 import numpy as np
@@ -117,13 +116,8 @@ def run(
         "steps": steps,
         "frame_steps": frame_steps,
     }
-    head = "".join(
-        f"variable        {name} index {value if isinstance(value, int) else format(value, '.17g')}\n"
-        for name, value in variables.items()
-    )
-    text = resources("beadband.lmp_inputs").joinpath(SCRIPT).read_text(encoding="utf-8")
     with scratch() as folder:
-        (folder / SCRIPT).write_text(f"{head}\n{text}", encoding="utf-8")
+        (folder / SCRIPT).write_text(files.with_variables(SCRIPT, variables), encoding="utf-8")
         (folder / files.TABLE).write_text(files.bond_table(strand, specimen.strain), encoding="utf-8")
         (folder / files.DATA).write_text(data_file(specimen), encoding="utf-8")
         run_script(folder, SCRIPT)
