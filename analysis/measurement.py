@@ -107,7 +107,7 @@ def measure(plan: Plan, trajectory: Trajectory) -> Measurement:
     if reason is None and plan.unresolved_curvature:
         reason = "the beads are too coarse for the bending layer of the held tip"
     if reason is None:
-        diffusivity = plan.scene.strand(plan.beads).bending_diffusivity_m2_s
+        diffusivity = plan.scene.bending_diffusivity_m2_s
         later = rear.times_s > 0.0
         times = rear.times_s[later]
         eq7 = eq7_curvature(times, plan.scene.half_angle_rad, diffusivity)

@@ -98,7 +98,7 @@ def curvature(axes: Any, run: Run) -> None:
     times = found.rear.times_s[later]
     axes.loglog(times * 1e3, found.rear.tip_curvature_1_m[later], color=_BLUE, linewidth=1.1, label="rear tip")
     if plan.scene.bending_stiffness_n_m2 > 0.0:
-        diffusivity = plan.scene.strand(plan.beads).bending_diffusivity_m2_s
+        diffusivity = plan.scene.bending_diffusivity_m2_s
         angle = plan.scene.half_angle_rad
         axes.loglog(times * 1e3, eq7_curvature(times, angle, diffusivity), "--", color=_ORANGE, label="Eq. 7")
         axes.loglog(

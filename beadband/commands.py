@@ -6,9 +6,13 @@ import json
 import sys
 import time
 from argparse import Namespace
+from typing import TYPE_CHECKING
 
 from beadband.options import scene_values
 from beadband.scene import Scene, scene_of
+
+if TYPE_CHECKING:
+    from beadband.results import Run
 
 
 def bands(arguments: Namespace) -> int:
@@ -32,23 +36,22 @@ def plan(arguments: Namespace) -> int:
 
 def run(arguments: Namespace) -> int:
     """Release a scene."""
-    from beadband import folder, release, results, tables
+    from beadband import folder, release
 
     scene = scene_of(scene_values(arguments))
     out = arguments.out if arguments.out is not None else folder.next_free(_name(scene))
     done = release.run(scene, out, _Progress("releasing: step") if sys.stderr.isatty() else None)
-    print(results.to_json(results.as_dict(done)) if arguments.json else tables.run(done), end="")
+    code = _report(done, arguments.json)
     print(f"files in {out}", file=sys.stderr)
-    return _verdict(results.failed_checks(done))
+    return code
 
 
 def analyze(arguments: Namespace) -> int:
     """Measure a run again."""
-    from beadband import release, results, tables
+    from beadband import release
 
     done = release.analyze(arguments.dir)
-    print(results.to_json(results.as_dict(done)) if arguments.json else tables.run(done), end="")
-    return _verdict(results.failed_checks(done))
+    return _report(done, arguments.json)
 
 
 def plot(arguments: Namespace) -> int:
@@ -57,7 +60,7 @@ def plot(arguments: Namespace) -> int:
     from beadband.analysis import pictures
 
     done = release.remeasure(arguments.dir)
-    _, ring = release.frames(arguments.dir)
+    ring = release.frames(arguments.dir)
     written = [str(path) for path in pictures.draw(done, ring, arguments.dir)]
     print(json.dumps(written, indent=1) if arguments.json else "\n".join(written))
     return 0
@@ -93,7 +96,12 @@ def _name(scene: Scene) -> str:
     return f"{scene.until}-{scene.band.name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
 
 
-def _verdict(failures: list[str]) -> int:
+def _report(done: Run, as_json: bool) -> int:
+    """Print a finished run and what it does not keep of physics; return the exit code."""
+    from beadband import results, tables
+
+    print(results.to_json(results.as_dict(done)) if as_json else tables.run(done), end="")
+    failures = results.failed_checks(done)
     for sentence in failures:
         print(f"physics check failed: {sentence}", file=sys.stderr)
     return 3 if failures else 0

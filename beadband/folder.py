@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
 
@@ -93,14 +96,25 @@ def require(folder: str | os.PathLike[str], *names: str) -> Path:
     return path
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a file so that it is there whole or not at all; RunError when the disk refuses."""
+@contextmanager
+def scratch() -> Iterator[Path]:
+    """A folder for the time of a run."""
+    with tempfile.TemporaryDirectory(prefix="beadband-") as place:
+        yield Path(place)
+
+
+def write_text(path: Path, text: str, durable: bool = False) -> None:
+    """Write a file so that it is there whole or not at all; RunError when the disk refuses.
+
+    ``durable`` waits for the disk: for what says that a run is finished, not for what a run can write again.
+    """
     partial = path.with_name(f".{path.name}.tmp")
     try:
         with open(partial, "w", encoding="utf-8") as handle:
             handle.write(text)
-            handle.flush()
-            os.fsync(handle.fileno())
+            if durable:
+                handle.flush()
+                os.fsync(handle.fileno())
         os.replace(partial, path)
     except OSError as error:
         raise RunError(

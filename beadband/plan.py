@@ -55,14 +55,10 @@ class Plan:
     """Steps from one frame of the rear to the next."""
     string: StringLimit
     front_arrival_s: float
+    unresolved_curvature: bool
+    """Whether the beads are too coarse for the bending layer of the held tip."""
     reasons: tuple[str, ...]
     warnings: tuple[str, ...]
-
-    @property
-    def unresolved_curvature(self) -> bool:
-        """Whether the beads are too coarse for the bending layer of the held tip."""
-        layer = bending_layer_m(self.scene)
-        return self.scene.strand(self.beads).spacing_m > COARSEST_SPACING * layer
 
     @property
     def frames(self) -> int:
@@ -128,14 +124,14 @@ def plan_of(scene: Scene) -> Plan:
         f"{frames} frames of the ring, and {steps // rear_steps} of its rear, each an average over {rear_steps} steps"
     )
     layer = bending_layer_m(scene)
-    if layer and strand.spacing_m > COARSEST_SPACING * layer:
-        if scene.beads is not None:
-            warnings.append(
-                f"the bending layer of the held tip ({layer:.3g} m) is finer than the beads "
-                f"({strand.spacing_m:.3g} m): the tip curvature is not resolved"
-            )
-    else:
+    unresolved = strand.spacing_m > COARSEST_SPACING * layer
+    if not unresolved:
         _beam_warnings(scene, warnings)
+    elif layer and scene.beads is not None:
+        warnings.append(
+            f"the bending layer of the held tip ({layer:.3g} m) is finer than the beads "
+            f"({strand.spacing_m:.3g} m): the tip curvature is not resolved"
+        )
     return Plan(
         scene=replace(
             scene,
@@ -156,6 +152,7 @@ def plan_of(scene: Scene) -> Plan:
         rear_steps=rear_steps,
         string=string,
         front_arrival_s=arrival,
+        unresolved_curvature=unresolved,
         reasons=tuple(reasons),
         warnings=tuple(warnings),
     )
@@ -257,8 +254,6 @@ def _compression(scene: Scene, string: StringLimit, loss_beads: float, warnings:
 def _beam_warnings(scene: Scene, warnings: list[str]) -> None:
     """Say where the held tip is bent more sharply than beam theory bears."""
     layer = bending_layer_m(scene)
-    if not layer:
-        return
     sharpness = math.sin((math.pi / 2.0 - scene.half_angle_rad) / 2.0) * scene.band.thickness_m / layer
     if sharpness > 0.5:
         warnings.append(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -70,23 +69,28 @@ def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = N
         version = run_script(folder, files.SCRIPT, follow)
     with clock.part("estimate"):
         estimate = estimate_of(plan)
-    with clock.part("measure"):
-        try:
-            measurement = measure(plan, read(folder / files.REAR))
-            energies = balance(plan, read_energies(folder / files.ENERGY))
-        except UsageError as error:  # the request was sound: what LAMMPS wrote is not
-            raise RunError(str(error)) from error
+    with clock.part("measure"), reading_own_files():
+        measurement = measure(plan, read(folder / files.REAR))
+        energies = balance(plan, read_energies(folder / files.ENERGY))
     done = Run(plan, ring, measurement, energies, estimate, clock.wall_s, version)
     with clock.part("write"):
         text = to_json(as_dict(done))
-    files.write_text(folder / files.RESULTS, text)
+    files.write_text(folder / files.RESULTS, text, durable=True)
     return done
+
+
+@contextmanager
+def reading_own_files() -> Iterator[None]:
+    """Turn complaints about files into RunError: the request was sound, what LAMMPS wrote is not."""
+    try:
+        yield
+    except UsageError as error:
+        raise RunError(str(error)) from error
 
 
 def follow_rear(plan: Plan) -> Measurement:
     """Release a plan without keeping anything but what its rear does: the cheap way to V and the curvature."""
-    with tempfile.TemporaryDirectory(prefix="beadband-") as place:
-        folder = Path(place)
+    with files.scratch() as folder:
         files.write_inputs(folder, plan, hold(plan), pictures=False)
         run_script(folder, files.SCRIPT)
         return measure(plan, read(folder / files.REAR))
@@ -147,8 +151,6 @@ def remeasure(folder: str | os.PathLike[str], reader: Callable[[Path], Trajector
     return Run(plan, ring, found, energies, stored_estimate(path / files.RESULTS), clock.wall_s)
 
 
-def frames(folder: str | os.PathLike[str]) -> tuple[Plan, Trajectory]:
-    """The whole ring over time, from the files of a run; UsageError when they are not there or not whole."""
-    plan = stored_plan(folder)
-    path = files.require(folder, files.TRAJECTORY)
-    return plan, read(path / files.TRAJECTORY)
+def frames(folder: str | os.PathLike[str]) -> Trajectory:
+    """The whole ring over time, from the files of a run; UsageError when it is not there or can't be read."""
+    return read(files.require(folder, files.TRAJECTORY) / files.TRAJECTORY)

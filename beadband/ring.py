@@ -258,9 +258,8 @@ class _Held:
                 points, radius, first = jumped, jumped_radius, first + lift
         released = -1
         while True:
-            inside = self.first_inside(points, radius, first)
-            if inside < first:
-                first = max(inside, first - 1)
+            if self.overlaps(points, radius, first):
+                first -= 1
                 if first == released:  # the band leaves the finger between two beads: none may lie inside it
                     points, radius = self.settle(self.on_finger(points, radius, first), radius, first)
                     return points, radius, first
@@ -272,10 +271,9 @@ class _Held:
             self.check_wrap(first)
             points, radius = self.settle(self.on_finger(points, radius, first), radius, first)
 
-    def first_inside(self, points: Array, radius: float, first: int) -> int:
-        """The first free bead inside the finger, or ``first`` where there is none."""
-        inside = np.flatnonzero(np.hypot(points[:first, 0], points[:first, 1]) < radius * (1.0 - 1e-12))
-        return int(inside[0]) if len(inside) else first
+    def overlaps(self, points: Array, radius: float, first: int) -> bool:
+        """Whether a free bead lies inside the finger."""
+        return bool(np.any(np.hypot(points[:first, 0], points[:first, 1]) < radius * (1.0 - 1e-12)))
 
     def pulls(self, points: Array, first: int) -> bool:
         """Whether the finger would have to pull the first bead that lies on it."""

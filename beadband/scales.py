@@ -5,20 +5,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from beadband.ring import FEWEST_BEADS
 from beadband.scene import Scene
 from beadband.wedge import StringLimit
 
 # Shares of the front's arrival time over which the rebound speed is the slope of the rear's path.
 SPEED_WINDOW = (0.4, 0.85)
-# Bending waves start to be self-similar after h/c0 and feel the residual tension long before t_x (see window()).
-WINDOW_AFTER = 1.0
+# Bending waves have forgotten the held shape after so many l^2/a_b, and feel the residual tension from this share of
+# t_x on (see similarity_window).
+FORGOTTEN_AFTER = 2.5
 WINDOW_BEFORE = 0.25
 
 
 @dataclass(frozen=True)
 class SimilarityWindow:
-    """When the tip's curvature may follow t^(-1/2); times in s, None where there is no such time."""
+    """When the tip's curvature may follow t^(-1/2); times in s, NaN without bending."""
 
     start_s: float
     end_s: float
@@ -35,12 +35,12 @@ def similarity_window(scene: Scene, string: StringLimit) -> SimilarityWindow:
     """
     if scene.bending_stiffness_n_m2 == 0.0:
         return SimilarityWindow(math.nan, math.nan, "without bending there is no curvature to follow")
-    diffusivity = scene.strand(FEWEST_BEADS).bending_diffusivity_m2_s
-    start = WINDOW_AFTER * max(
-        scene.band.thickness_m / scene.band.bar_speed_m_s, 2.5 * bending_layer_m(scene) ** 2 / diffusivity
+    diffusivity = scene.bending_diffusivity_m2_s
+    start = max(
+        scene.band.thickness_m / scene.band.bar_speed_m_s,
+        FORGOTTEN_AFTER * bending_layer_m(scene) ** 2 / diffusivity,
     )
-    density, residual = scene.band.density_kg_m3, string
-    crossover = diffusivity * density * (1.0 + residual.residual_strain) / residual.residual_stress_pa
+    crossover = diffusivity * scene.band.density_kg_m3 * (1.0 + string.residual_strain) / string.residual_stress_pa
     end = min(WINDOW_BEFORE * crossover, front_arrival_s(scene, string))
     if end < 1.5 * start:
         return SimilarityWindow(

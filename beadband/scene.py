@@ -66,6 +66,11 @@ class Scene:
         return self.bending_scale * modulus * self.band.second_moment_m4
 
     @property
+    def bending_diffusivity_m2_s(self) -> float:
+        """a_b = sqrt(EI/(density A)); the same for any number of beads."""
+        return self.strand(1).bending_diffusivity_m2_s
+
+    @property
     def wedge(self) -> Wedge:
         return wedge_of(self.band.circumference_m, self.strain, self.half_angle_rad)
 

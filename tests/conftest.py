@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
-import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,6 +11,7 @@ import pytest
 
 from beadband import release
 from beadband.analysis.measurement import Measurement
+from beadband.engine import program
 from beadband.plan import Plan, plan_of
 from beadband.results import Run
 from beadband.scene import scene_of
@@ -33,12 +32,6 @@ def default_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path]:
     """The default scene with all of its files."""
     folder = tmp_path_factory.mktemp("default") / "a folder, $HOME & 'quotes' \"é\""
     return release.run(scene_of({}), folder), folder
-
-
-def program(name: str) -> str | None:
-    """Path of a program that the environment of the tests brings along, or of one on the PATH."""
-    here = str(Path(sys.executable).parent)
-    return shutil.which(name, path=os.pathsep.join([here, os.environ.get("PATH", "")]))
 
 
 @pytest.fixture(scope="session")

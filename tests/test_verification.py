@@ -56,7 +56,7 @@ def test_a_rung_that_breaks_down_is_a_failed_check(monkeypatch: pytest.MonkeyPat
 def test_missing_programs_are_listed_as_skipped(monkeypatch: pytest.MonkeyPatch) -> None:
     from beadband.verification import conservation
 
-    monkeypatch.setattr(conservation, "_program", lambda name: None if name == "mpirun" else name)
+    monkeypatch.setattr(conservation, "program", lambda name: None if name == "mpirun" else name)
     monkeypatch.setattr(conservation, "_free_strand", list)
     monkeypatch.setattr(conservation, "_release", lambda plan: [])
     (check,) = verify("conservation")

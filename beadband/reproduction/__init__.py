@@ -94,6 +94,8 @@ def reproduce(
             "versions": versions("see lammps_package"),
         },
     )
-    write_text(folder / "scorecard.md", as_markdown(entries))
-    write_text(folder / "scorecard.json", json.dumps(card, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
+    write_text(folder / "scorecard.md", as_markdown(entries), durable=True)
+    write_text(
+        folder / "scorecard.json", json.dumps(card, indent=1, allow_nan=False, ensure_ascii=False) + "\n", durable=True
+    )
     return card

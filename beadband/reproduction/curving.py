@@ -60,21 +60,16 @@ def fig19(sheet: Sheet, runs: Runs, quick: bool) -> list[Entry]:
             label = f"φ = {angle:g}°, h = {thickness * 1e3:g} mm"
             strains = [f.values["strain"] for f in chosen]
             decays = [f.decay for f in chosen if f.decay]
-            if decays:
-                axes[1].errorbar(
+            if not decays:
+                continue
+            for panel, shown in (
+                (axes[1], [d.exponent for d in decays]),
+                (axes[2], [d.eq7_ratio for d in decays]),
+            ):
+                panel.errorbar(
                     strains,
-                    [d.exponent.value for d in decays],
-                    [d.exponent.error for d in decays],
-                    fmt=marker + "-",
-                    markersize=4,
-                    linewidth=0.8,
-                    color=colour,
-                    label=label,
-                )
-                axes[2].errorbar(
-                    strains,
-                    [d.eq7_ratio.value for d in decays],
-                    [d.eq7_ratio.error for d in decays],
+                    [value.value for value in shown],
+                    [value.error for value in shown],
                     fmt=marker + "-",
                     markersize=4,
                     linewidth=0.8,

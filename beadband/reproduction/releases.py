@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import tempfile
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,11 +19,12 @@ PAPER: Values = {"band": "III", "thickness_m": 1.9e-3, "strain": 0.476, "half_an
 def _whole(values: Values) -> tuple[Any, Trajectory]:
     """A release with frames of the whole ring."""
     from beadband import release
+    from beadband.folder import scratch
     from beadband.scene import scene_of
 
-    with tempfile.TemporaryDirectory(prefix="beadband-") as place:
-        done = release.run(scene_of(values), Path(place) / "run")
-        return done, release.frames(Path(place) / "run")[1]
+    with scratch() as place:
+        done = release.run(scene_of(values), place / "run")
+        return done, release.frames(place / "run")
 
 
 def fig16(sheet: Sheet, runs: Runs, quick: bool) -> list[Entry]:

@@ -124,7 +124,7 @@ def _release(values: Values) -> Found | str:
         wave_speeds=scene.wave_speeds(plan.string.front_speed_m_s),
         arrival=plan.front_arrival_s,
         half_angle=scene.half_angle_rad,
-        diffusivity=scene.strand(plan.beads).bending_diffusivity_m2_s,
+        diffusivity=scene.bending_diffusivity_m2_s,
         window=found.window,
         decay=found.decay,
         no_decay=found.no_decay,

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import math
-import os
-import shutil
 import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from beadband import folder as files
 from beadband import release
 from beadband.analysis.trajectory import read
-from beadband.engine import run_script
+from beadband.engine import program, run_script
 from beadband.errors import RunError, UsageError
 from beadband.law import LAWS
 from beadband.plan import Plan, plan_of
@@ -25,7 +21,7 @@ from beadband.scene import scene_of
 from beadband.verification import specimen as specimens
 from beadband.verification.check import Check
 from beadband.verification.releases import let_go
-from beadband.verification.specimen import END, FREE, Array, chain, scratch, strand_of
+from beadband.verification.specimen import END, FREE, Array, chain, strand_of
 
 _TIMEOUT_S = 120.0
 
@@ -103,11 +99,11 @@ def _release(plan: Plan) -> list[Check]:
 def _two_ranks(plan: Plan) -> Check:
     """The same files by LAMMPS' own program on two ranks, if the programs are there."""
     name = "release on 2 MPI ranks: apart by (of a leg)"
-    lmp, mpirun = _program("lmp"), _program("mpirun")
+    lmp, mpirun = program("lmp"), program("mpirun")
     if lmp is None or mpirun is None:
         missing = "lmp" if lmp is None else "mpirun"
         return Check("conservation", name, math.nan, 0.0, 1e-12, f"{missing} not found", skipped=True)
-    with scratch() as one, scratch() as two:
+    with files.scratch() as one, files.scratch() as two:
         for folder in (one, two):
             files.write_inputs(folder, plan, release.hold(plan), pictures=False)
         run_script(one, files.SCRIPT)
@@ -121,9 +117,3 @@ def _two_ranks(plan: Plan) -> Check:
             raise RunError(f"two MPI ranks failed: {str(error).splitlines()[0]}") from error
     apart = float(np.abs(pair[1] - pair[0]).max()) / plan.scene.wedge.leg_m
     return Check("conservation", name, apart, 0.0, 1e-12)
-
-
-def _program(name: str) -> str | None:
-    """Path of a program beside the interpreter, or on the PATH."""
-    here = str(Path(sys.executable).parent)
-    return shutil.which(name, path=os.pathsep.join([here, os.environ.get("PATH", "")]))

@@ -10,10 +10,8 @@ from beadband import release
 from beadband.analysis.measurement import Balance, Measurement, balance, measure
 from beadband.analysis.trajectory import Trajectory, read, read_energies
 from beadband.engine import run_script
-from beadband.errors import RunError, UsageError
 from beadband.plan import Plan
 from beadband.ring import Ring
-from beadband.verification.specimen import scratch
 
 
 @dataclass(frozen=True)
@@ -30,18 +28,16 @@ class Released:
 
 def let_go(plan: Plan, turned: Callable[[Ring], Ring] | None = None) -> Released:
     """Release a plan, of a held ring that may be ``turned`` first; RunError where LAMMPS or the measuring fails."""
-    with scratch() as folder:
+    with files.scratch() as folder:
         ring = release.hold(plan)
         files.write_inputs(folder, plan, turned(ring) if turned else ring)
         run_script(folder, files.SCRIPT)
-        try:
+        with release.reading_own_files():
             rear = read(folder / files.REAR)
             return Released(
                 plan=plan,
-                frames=read(folder / files.TRAJECTORY),
+                frames=release.frames(folder),
                 rear=rear,
                 measurement=measure(plan, rear),
                 balance=balance(plan, read_energies(folder / files.ENERGY)),
             )
-        except UsageError as error:  # the request was sound: what LAMMPS wrote is not
-            raise RunError(str(error)) from error

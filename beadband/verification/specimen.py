@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,7 +112,7 @@ def run(
         "steps": steps,
         "frame_steps": frame_steps,
     }
-    with scratch() as folder:
+    with files.scratch() as folder:
         (folder / SCRIPT).write_text(files.with_variables(SCRIPT, variables), encoding="utf-8")
         (folder / files.TABLE).write_text(files.bond_table(strand, specimen.strain), encoding="utf-8")
         (folder / files.DATA).write_text(data_file(specimen), encoding="utf-8")
@@ -134,13 +130,6 @@ def run(
         angular_momentum_kg_m2_s=table[:, 6],
         first_forces_n=first[:, 8:10],
     )
-
-
-@contextmanager
-def scratch() -> Iterator[Path]:
-    """A folder for the time of a run."""
-    with tempfile.TemporaryDirectory(prefix="beadband-") as place:
-        yield Path(place)
 
 
 def data_file(specimen: Specimen) -> str:
