@@ -82,6 +82,29 @@ def read(path: str | os.PathLike[str]) -> Trajectory:
     return Trajectory(np.array(steps), table[0, :, 0].astype(np.int64), np.ascontiguousarray(table[:, :, 2:4]))
 
 
+def read_path(path: str | os.PathLike[str], held_m: Array, beads: int) -> Trajectory:
+    """Read what leg.in wrote of the tip and the bead next to it, as a trajectory of the tip and both neighbours.
+
+    ``held_m`` (at least 2, 2) are the held positions, the frame at step 0; the other neighbour, bead ``beads``, is the
+    mirror image. UsageError when the file is missing or cut short.
+    """
+    try:
+        text = Path(path).read_text(encoding="ascii").split("\n", 2)[2]
+        table = np.fromstring(text, sep=" ").reshape(-1, 4)
+    except (OSError, ValueError, IndexError) as error:
+        raise UsageError(
+            explain(
+                "the path of the rear can't be read", f"{str(path)!r} ({error})", "a whole rear.dat", "run it again"
+            )
+        ) from error
+    table = np.concatenate([[[0.0, held_m[0, 0], *held_m[1]]], table[table[:, 0] > 0.0]])
+    steps, tip_x, next_x, next_y = table.T
+    tip = np.stack([tip_x, np.zeros_like(tip_x)], axis=1)
+    upper = np.stack([next_x, next_y], axis=1)
+    positions = np.stack([tip, upper, upper * np.array([1.0, -1.0])], axis=1)
+    return Trajectory(steps.astype(np.int64), np.array([1, 2, beads]), positions)
+
+
 def read_mdanalysis(path: str | os.PathLike[str]) -> Trajectory:
     """Read the same dump through MDAnalysis, in double precision; UsageError when it can't."""
     import warnings

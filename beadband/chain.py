@@ -30,6 +30,13 @@ _FOLD_CURVE = 2.0 * QUARTIC
 """Second derivative of that energy by cos psi."""
 
 
+def fold_energy(turning_rad: Array) -> tuple[Array, Array, Array]:
+    """Energy of turning angles over K, and its first and second derivative by the angle."""
+    cosine, sine = np.cos(turning_rad), np.sin(turning_rad)
+    energy, slope = _fold(cosine)
+    return energy, -slope * sine, _FOLD_CURVE * sine**2 - slope * cosine
+
+
 @dataclass(frozen=True)
 class HalfRing:
     """Half of a ring: ``strand`` gives the energies, ``crossing`` says that the last bond crosses the axis."""

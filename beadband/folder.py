@@ -1,4 +1,4 @@
-"""A run's folder: which files stand in it, and how those that LAMMPS reads are written."""
+"""A run's folder: which files stand in it, and how they come there whole or not at all."""
 
 from __future__ import annotations
 
@@ -6,15 +6,9 @@ import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.resources import files
 from pathlib import Path
 
-import numpy as np
-
 from beadband.errors import RunError, UsageError, explain
-from beadband.plan import Plan
-from beadband.ring import Ring
-from beadband.strand import Strand
 
 SCENE = "scene.toml"
 DATA = "band.data"
@@ -22,16 +16,11 @@ TABLE = "bond.table"
 SCRIPT = "release.in"
 TRAJECTORY = "trajectory.lammpstrj"
 REAR = "rear.lammpstrj"
+LEG_SCRIPT = "leg.in"
+PATH = "rear.dat"
 ENERGY = "energy.dat"
 RESULTS = "results.json"
 LOG = "log.lammps"
-
-TABLE_POINTS = 2001
-DEEPEST_STRETCH = 0.3
-"""Where the bond table begins."""
-_NEVER = 2_000_000_000
-_LOSS_SAMPLES = 8
-"""Times in a frame at which the power of the dashpots is taken."""
 
 
 def create(out: str | os.PathLike[str]) -> Path:
@@ -120,106 +109,3 @@ def write_text(path: Path, text: str, durable: bool = False) -> None:
         raise RunError(
             explain("a file could not be written", f"{str(path)!r} ({error.strerror})", "a disk with room", "free some")
         ) from error
-
-
-def write_inputs(folder: Path, plan: Plan, ring: Ring, pictures: bool = True) -> None:
-    """Write what LAMMPS needs: data file, bond table and script. Without ``pictures`` only the rear is followed."""
-    strand = plan.scene.strand(plan.beads)
-    write_text(folder / DATA, data_file(ring, strand))
-    write_text(folder / TABLE, bond_table(strand, plan.scene.strain))
-    write_text(folder / SCRIPT, script(plan, ring, pictures))
-
-
-def data_file(ring: Ring, strand: Strand) -> str:
-    """LAMMPS data file of the held ring: a box that the release can't leave, beads, bonds and angles."""
-    x, y = ring.positions_m[:, 0], ring.positions_m[:, 1]
-    count = ring.beads
-    margin = 0.5 * (x.max() - x.min())
-    index = np.arange(1, count + 1)
-    after, before = np.roll(index, -1), np.roll(index, 1)
-    head = f"""beadband: a held ring of {count} beads, units = si
-
-{count} atoms
-{count} bonds
-{count} angles
-4 atom types
-1 bond types
-1 angle types
-
-{x.min() - margin:.17g} {x.max() + margin:.17g} xlo xhi
-{y.min() - margin:.17g} {y.max() + margin:.17g} ylo yhi
-{-0.5 * strand.spacing_m:.17g} {0.5 * strand.spacing_m:.17g} zlo zhi
-
-Masses
-
-"""
-    masses = "".join(f"{kind} {strand.bead_mass_kg:.17g}\n" for kind in range(1, 5))
-    atoms = "".join(
-        f"{i} 1 {kind} {px:.17g} {py:.17g} 0\n"
-        for i, kind, px, py in zip(index.tolist(), ring.types.tolist(), x.tolist(), y.tolist(), strict=True)
-    )
-    bonds = "".join(f"{i} 1 {i} {j}\n" for i, j in zip(index.tolist(), after.tolist(), strict=True))
-    angles = "".join(
-        f"{i} 1 {h} {i} {j}\n" for h, i, j in zip(before.tolist(), index.tolist(), after.tolist(), strict=True)
-    )
-    return f"{head}{masses}\nAtoms # angle\n\n{atoms}\nBonds\n\n{bonds}\nAngles\n\n{angles}"
-
-
-def bond_table(strand: Strand, strain: float) -> str:
-    """Energy and force of a bond from deep compression to a quarter beyond the held strain."""
-    law, a, area = strand.law, strand.spacing_m, strand.area_m2
-    stretch = np.linspace(DEEPEST_STRETCH, 1.0 + 1.25 * strain, TABLE_POINTS)
-    energy, force = a * area * law.energy(stretch), -area * law.stress(stretch)
-    slopes = [-area * float(law.tangent(stretch[end])) / a for end in (0, -1)]
-    rows = "".join(
-        f"{i} {r:.17g} {e:.17g} {f:.17g}\n"
-        for i, (r, e, f) in enumerate(zip((stretch * a).tolist(), energy.tolist(), force.tolist(), strict=True), 1)
-    )
-    return (
-        f"# {law.name} bond: length m, energy J, force N\n\nBAND\n"
-        f"N {TABLE_POINTS} FP {slopes[0]:.17g} {slopes[1]:.17g} EQ {a:.17g}\n\n{rows}"
-    )
-
-
-def with_variables(name: str, variables: dict[str, int | float]) -> str:
-    """A script of :mod:`beadband.lmp_inputs` under the variables that it needs, to the last digit."""
-    text = files("beadband.lmp_inputs").joinpath(name).read_text(encoding="utf-8")
-    lines = (f"variable        {key} index {format(value, '.17g')}\n" for key, value in variables.items())
-    return "".join(lines) + "\n" + text
-
-
-def script(plan: Plan, ring: Ring, pictures: bool) -> str:
-    """The release script under the variables of this plan."""
-    strand = plan.scene.strand(plan.beads)
-    cutoff = dashpot_cutoff_m(ring)
-    loss_every = max(1, plan.frame_steps // _LOSS_SAMPLES)
-    while plan.frame_steps % loss_every:
-        loss_every -= 1
-    variables: dict[str, int | float] = {
-        "beads": plan.beads,
-        "table_points": TABLE_POINTS,
-        "angle_coefficient": strand.angle_coefficient_j,
-        "bead_radius": 0.5 * plan.scene.band.thickness_m,
-        "dashpot": strand.dashpot_n_s_m(plan.loss_time_s),
-        "dashpot_cutoff": cutoff,
-        "skin": 0.01 * cutoff,
-        "timestep": plan.timestep_s,
-        "steps": plan.steps,
-        "rear_steps": plan.rear_steps,
-        "frame_steps": plan.frame_steps if pictures else _NEVER,
-        "frame_average": plan.frame_steps if pictures else 1,
-        "loss_every": loss_every if pictures else 1,
-        "loss_average": plan.frame_steps // loss_every if pictures else 1,
-    }
-    return with_variables(SCRIPT, variables)
-
-
-def dashpot_cutoff_m(ring: Ring) -> float:
-    """Cutoff of the dashpots: as wide as other beads allow, for their strength is 1 - (r/cutoff)^8.
-
-    Bonded neighbours count; the second and third are left out by ``special_bonds``. The fourth along the strand and
-    the beads across the finger are the closest others.
-    """
-    upper = ring.positions_m[: ring.beads // 2 + 1]
-    apart = upper[4:] - upper[:-4]
-    return 0.95 * min(float(np.hypot(apart[:, 0], apart[:, 1]).min()), ring.finger_radius_m)

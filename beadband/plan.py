@@ -1,31 +1,19 @@
-"""The plan: how many beads, which step, loss and frames a scene needs, each with its reason.
-
-The rules come from measured errors; tests/test_release.py and tests/test_plan.py hold them to it.
-"""
+"""The plan: which model, how many beads, which step, loss and frames a scene needs, each with its reason."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
 
+from beadband import accuracy
 from beadband.errors import UsageError, explain
 from beadband.ring import FEWEST_BEADS
 from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s, similarity_window
 from beadband.scene import PLANNED, Scene
 from beadband.wedge import StringLimit
 
-# Where the errors of the rebound speed and of the tip curvature reach half a per cent:
-# bead spacing over the length of the held bending layer; and, without bending, beads of the ring and of that half of
-# the rear which the kink has left behind it when the front arrives.
-TOLERANCE_OF_RULES = 0.005
-CURVATURE_SPACING = 0.6
-SPEED_SPACING = 0.8
-FRONT_BEADS = 400
-REAR_BEADS = 12
-LEAST_BEADS = 240
-COARSEST_SPACING = 1.5
-"""Beyond this share of the bending layer the tip curvature is not measured at all."""
 MOST_PLANNED_BEADS = 6000
+FEWEST_LEG_BONDS = 8
 
 FRAMES = 60
 MOST_STEPS = 2_000_000_000
@@ -37,6 +25,15 @@ _REAR_FRAMES = 240
 _FEWEST_REAR_FRAMES = 120
 _FEWEST_REAR_STEPS = 4  # the fastest bending mode has a period of pi largest steps: averages must span it
 
+# How far up a leg news can have gone and come back from, beyond what the front alone makes of it: bending waves run
+# ahead of the front; so many bending layers, and that share of the leg, take their echo below 1e-4 of V.
+_LAYERS_AHEAD = 6.0
+_SHARE_AHEAD = 0.05
+LONGEST_LAYER = 0.08
+"""Bending layer over the leg beyond which the finger is felt at the tip, so that a leg alone won't do."""
+_SPEED_END = 0.87
+"""Share of the front's arrival at which a leg that is asked for its speed alone may stop."""
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -44,7 +41,12 @@ class Plan:
 
     scene: Scene
     """The scene with beads, step and loss filled in."""
+    model: str
+    """"ring" for the whole ring on its finger, "leg" for one leg of it."""
     beads: int
+    """Of the whole ring, whatever part of it is computed."""
+    leg_bonds: int
+    """Bonds of the part of a leg that the rear can hear of."""
     timestep_s: float
     largest_timestep_s: float
     loss_time_s: float
@@ -57,6 +59,10 @@ class Plan:
     front_arrival_s: float
     unresolved_curvature: bool
     """Whether the beads are too coarse for the bending layer of the held tip."""
+    speed_error: float
+    """Predicted relative error of the rebound speed (95 % of scenes stay below it)."""
+    curvature_error: float | None
+    """Predicted relative error of the window-averaged tip curvature, None where it is not resolved."""
     reasons: tuple[str, ...]
     warnings: tuple[str, ...]
 
@@ -64,9 +70,28 @@ class Plan:
     def frames(self) -> int:
         return self.steps // self.frame_steps
 
+    @property
+    def computed_beads(self) -> int:
+        """Beads that are integrated."""
+        return self.beads if self.model == "ring" else self.leg_bonds + 2
 
-def plan_of(scene: Scene) -> Plan:
-    """Choose what the scene leaves open; UsageError for a choice of the user's that can't work."""
+    @property
+    def bead_steps(self) -> int:
+        return self.computed_beads * self.steps
+
+    @property
+    def seconds(self) -> float:
+        """Predicted wall time on one core, without the second run that judges the error."""
+        frames = self.frames if self.model == "ring" else 0
+        return accuracy.seconds(self.model, self.computed_beads, self.steps, frames)
+
+
+def plan_of(scene: Scene, model: str = "ring") -> Plan:
+    """Choose what the scene leaves open; UsageError for a choice of the user's that can't work.
+
+    ``model`` is "ring" for what somebody will look at, and "leg" for numbers alone: where the leg alone won't do the
+    ring is taken all the same.
+    """
     if scene.until == "launch":
         raise UsageError(
             explain("the launch is not part of this version", "--until launch", "--until release", "leave --until out")
@@ -74,25 +99,18 @@ def plan_of(scene: Scene) -> Plan:
     string = scene.string
     reasons: list[str] = []
     warnings: list[str] = []
-    beads = scene.beads or _choose_beads(scene, reasons, warnings)
+    layer, length = bending_layer_m(scene), scene.wedge.reference_leg_m
+    if model == "leg" and layer > LONGEST_LAYER * length:
+        model = "ring"
+    beads = scene.beads or _choose_beads(scene, string, reasons, warnings)
     if beads < FEWEST_BEADS:
         raise UsageError(explain("too few beads", beads, f"{FEWEST_BEADS} or more", "raise --beads"))
     strand = scene.strand(beads)
-
-    # Viscous stress of a front over that of its inertia: the loss time is defined by E, which need not be the law's.
-    band = scene.band
-    front_loss_s = strand.spacing_m * band.density_kg_m3 * string.front_speed_m_s / band.modulus_pa
-    loss_time = scene.loss_time_s
-    if loss_time is None:
-        loss_time = LOSS_BEADS * front_loss_s
-        reasons.append(
-            f"loss time {loss_time:.3g} s: {LOSS_BEADS} of the front's time from bead to bead, enough to give it a "
-            "smooth profile of a few beads, and vanishing with the mesh"
-        )
-    loss_beads = loss_time / front_loss_s
+    loss_time, loss_beads = _choose_loss(scene, string, beads, reasons)
     compression = _compression(scene, string, loss_beads, warnings)
     largest = strand.largest_step_s(loss_time, scene.strain, compression)
     arrival = front_arrival_s(scene, string)
+    end = arrival if model == "ring" or scene.purpose == "curvature" else _SPEED_END * arrival
     if scene.timestep_s is not None and scene.timestep_s > largest:
         raise UsageError(
             explain(
@@ -103,14 +121,12 @@ def plan_of(scene: Scene) -> Plan:
             )
         )
     target = scene.timestep_s or STEP_SHARE * largest
-    frames, rear_steps, steps = _sampling(scene, string, arrival, target)
+    if model == "ring":
+        frames, rear_steps, steps = _sampling(scene, string, end, target)
+    else:
+        frames, rear_steps, steps = _leg_sampling(scene, string, end, target)
     # The last step ends at the front's arrival unless the user fixed the step.
-    timestep = scene.timestep_s or arrival / steps
-    if scene.timestep_s is None:
-        reasons.append(
-            f"step {timestep:.3g} s: {timestep / largest:.2f} of the largest stable one, {steps} steps to the "
-            f"front's arrival at {arrival:.4g} s"
-        )
+    timestep = scene.timestep_s or end / steps
     if steps * timestep < SPEED_WINDOW[1] * arrival:
         raise UsageError(
             explain(
@@ -120,11 +136,19 @@ def plan_of(scene: Scene) -> Plan:
                 "leave steps to the plan",
             )
         )
+    leg_bonds = max(FEWEST_LEG_BONDS, math.ceil(_heard_share(scene, string, end) * length / strand.spacing_m))
+    if scene.timestep_s is None:
+        reasons.append(
+            f"step {timestep:.3g} s: {timestep / largest:.2f} of the largest stable one, {steps} steps to "
+            + (f"the front's arrival at {arrival:.4g} s" if end == arrival else f"{end / arrival:.2f} of its arrival")
+        )
+    reasons.append(_bending_reason(scene, string))
+    reasons.append(_model_reason(model, scene, string, end / arrival, beads, leg_bonds))
     reasons.append(
-        f"{frames} frames of the ring, and {steps // rear_steps} of its rear, each an average over {rear_steps} steps"
+        (f"{frames} frames of the ring, and {steps // rear_steps}" if model == "ring" else f"{steps // rear_steps}")
+        + f" of its rear, each an average over {rear_steps} steps, for bead-scale modes would alias"
     )
-    layer = bending_layer_m(scene)
-    unresolved = strand.spacing_m > COARSEST_SPACING * layer
+    unresolved = strand.spacing_m > accuracy.COARSEST_SPACING * layer
     if not unresolved:
         _beam_warnings(scene, warnings)
     elif layer and scene.beads is not None:
@@ -143,7 +167,9 @@ def plan_of(scene: Scene) -> Plan:
             rear_steps=rear_steps,
             planned=tuple(key for key in PLANNED if getattr(scene, key) is None or key in scene.planned),
         ),
+        model=model,
         beads=beads,
+        leg_bonds=leg_bonds,
         timestep_s=timestep,
         largest_timestep_s=largest,
         loss_time_s=loss_time,
@@ -153,33 +179,35 @@ def plan_of(scene: Scene) -> Plan:
         string=string,
         front_arrival_s=arrival,
         unresolved_curvature=unresolved,
+        speed_error=accuracy.speed_error(accuracy.rear_length_m(scene, string) / strand.spacing_m),
+        curvature_error=accuracy.curvature_error(scene, strand.spacing_m),
         reasons=tuple(reasons),
         warnings=tuple(warnings),
     )
 
 
-def _choose_beads(scene: Scene, reasons: list[str], warnings: list[str]) -> int:
-    """Beads from the bending layer and from the front; the errors behind the numbers are of second order in a."""
-    layer, length = bending_layer_m(scene), scene.band.circumference_m
-    finer = math.sqrt(TOLERANCE_OF_RULES / scene.tolerance)
-    sine = math.sin(scene.half_angle_rad)
-    rear_share = scene.wedge.reference_leg_m / length * scene.strain * sine / (1.0 - sine)
-    front = finer * max(FRONT_BEADS, REAR_BEADS / rear_share)
+def _choose_beads(scene: Scene, string: StringLimit, reasons: list[str], warnings: list[str]) -> int:
+    """Beads that the speed needs, and those that the curvature needs where it is asked for."""
+    length, rear = scene.band.circumference_m, accuracy.rear_length_m(scene, string)
+    in_rear = accuracy.beads_in_rear_for(scene.tolerance)
+    wanted = max(in_rear * length / rear, FEWEST_LEG_BONDS * length / scene.wedge.reference_leg_m, FEWEST_BEADS)
+    layer = bending_layer_m(scene)
     if scene.purpose == "curvature" and layer > 0.0:
-        wanted = max(finer * length / (CURVATURE_SPACING * layer), LEAST_BEADS)
-        if wanted <= MOST_PLANNED_BEADS:
-            beads = _round_up(wanted)
+        spacing = accuracy.curvature_spacing_m(scene)
+        for_curvature = length / spacing
+        if wanted < for_curvature <= MOST_PLANNED_BEADS:
+            beads = _round_up(for_curvature)
             reasons.append(
                 f"{beads} beads: the held tip bends over a layer of {layer:.3g} m, and the tip curvature needs beads "
-                f"closer than {CURVATURE_SPACING / finer:.2g} of it"
+                f"closer than {spacing / layer:.2g} of it ({spacing:.3g} m); the rebound speed alone would do with "
+                f"{_round_up(wanted)}"
             )
             return beads
-        warnings.append(
-            f"the bending layer of the held tip is only {layer:.3g} m: the tip curvature would need {wanted:.0f} beads "
-            "and is not resolved (set --beads to insist)"
-        )
-    wanted = finer * length / (SPEED_SPACING * layer) if layer > 0.0 else math.inf
-    wanted = min(max(wanted, finer * LEAST_BEADS), front)
+        if for_curvature > MOST_PLANNED_BEADS:
+            warnings.append(
+                f"the bending layer of the held tip is only {layer:.3g} m: the tip curvature would need "
+                f"{for_curvature:.0f} beads and is not resolved (set --beads to insist)"
+            )
     if wanted > MOST_PLANNED_BEADS:
         warnings.append(
             f"the rebound speed would need {wanted:.0f} beads for this tolerance; the plan stops at "
@@ -187,14 +215,83 @@ def _choose_beads(scene: Scene, reasons: list[str], warnings: list[str]) -> int:
         )
     beads = _round_up(min(wanted, MOST_PLANNED_BEADS))
     reasons.append(
-        f"{beads} beads: the front and the kinks need them for the rebound speed, which a finer bending layer would "
-        "not move"
+        f"{beads} beads: what moves at the rear is {rear:.3g} m long, and the rebound speed needs {in_rear:.3g} "
+        f"beads in it for {scene.tolerance:.2%}"
     )
     return beads
 
 
 def _round_up(beads: float) -> int:
-    return 20 * math.ceil(beads / 20.0)
+    """To a number whose half is even, so that the second run has it too."""
+    return 4 * math.ceil(beads / 4.0)
+
+
+def _choose_loss(scene: Scene, string: StringLimit, beads: int, reasons: list[str]) -> tuple[float, float]:
+    """Loss time in s, and the viscous stress of a front over that of its inertia between two beads.
+
+    The loss time is defined by E, which need not be the law's.
+    """
+    band = scene.band
+    front_loss_s = scene.strand(beads).spacing_m * band.density_kg_m3 * string.front_speed_m_s / band.modulus_pa
+    if scene.loss_time_s is not None:
+        return scene.loss_time_s, scene.loss_time_s / front_loss_s
+    reasons.append(
+        f"loss time {LOSS_BEADS * front_loss_s:.3g} s: {LOSS_BEADS} of the front's time from bead to bead, enough to "
+        "give it a smooth profile of a few beads, and vanishing with the mesh"
+    )
+    return LOSS_BEADS * front_loss_s, LOSS_BEADS
+
+
+def _heard_share(scene: Scene, string: StringLimit, end_s: float) -> float:
+    """Share of the leg from which news can be back at the tip by ``end_s``.
+
+    Out with the front, back at the speed of sound behind it; and what bending waves, which run ahead, need.
+    """
+    behind = math.sqrt(float(scene.material.tangent(1.0 + string.residual_strain)) / scene.band.density_kg_m3)
+    leg = scene.wedge.reference_leg_m
+    there_and_back = end_s / leg / (1.0 / string.front_speed_m_s + 1.0 / behind)
+    return there_and_back + _LAYERS_AHEAD * bending_layer_m(scene) / leg + _SHARE_AHEAD
+
+
+def _bending_reason(scene: Scene, string: StringLimit) -> str:
+    """Whether bending matters to what is asked."""
+    if scene.bending_stiffness_n_m2 == 0.0:
+        return "no bending: the scene leaves it out"
+    spread = math.sqrt(scene.bending_diffusivity_m2_s * front_arrival_s(scene, string))
+    sine = math.sin(scene.half_angle_rad)
+    rear = scene.wedge.reference_leg_m * scene.strain * sine / (1.0 - sine)
+    kept = "the tip curvature is nothing but bending" if scene.purpose == "curvature" else "it rounds the kinks"
+    return (
+        f"bending is kept: {kept}, and it spreads over {spread:.3g} m by the front's arrival, against {rear:.3g} m of "
+        f"rear; without it the speed would be the string's, {string.rear_speed_m_s:.4g} m/s"
+    )
+
+
+def _model_reason(model: str, scene: Scene, string: StringLimit, end: float, beads: int, leg_bonds: int) -> str:
+    """What is computed of the scene, and what is not."""
+    heard = _heard_share(scene, string, end * front_arrival_s(scene, string))
+    if model == "leg":
+        return (
+            f"one leg, {leg_bonds} of the {beads} bonds: the other is its mirror image, and from beyond {heard:.2f} of "
+            "the leg nothing comes back in time; no finger, no wrapped arc, no contact"
+        )
+    return (
+        f"the whole ring, because its files are looked at; the beads on the finger stay where they are and no contact "
+        f"is computed, for the news reaches them with the front (the rear alone would need one leg up to {heard:.2f})"
+    )
+
+
+def _leg_sampling(scene: Scene, string: StringLimit, end: float, target: float) -> tuple[int, int, int]:
+    """Frames (one), steps between means of the rear, and steps in all, of a leg."""
+    rear_steps = max(1, int(_interval(scene, string, end) / target))
+    return 1, rear_steps, rear_steps * math.ceil(end / (rear_steps * target) * (1.0 - 1e-12))
+
+
+def _interval(scene: Scene, string: StringLimit, end: float) -> float:
+    """Longest time between frames of the rear."""
+    window = similarity_window(scene, string)
+    interval = end / _REAR_FRAMES
+    return interval if window.reason is not None else min(interval, (window.end_s - window.start_s) / 12.0)
 
 
 def _sampling(scene: Scene, string: StringLimit, arrival: float, target: float) -> tuple[int, int, int]:
@@ -211,11 +308,7 @@ def _sampling(scene: Scene, string: StringLimit, arrival: float, target: float) 
                 )
             )
         return frames, rear_steps, scene.steps
-    interval = arrival / _REAR_FRAMES
-    window = similarity_window(scene, string)
-    if window.reason is None:
-        interval = min(interval, (window.end_s - window.start_s) / 12.0)
-    rear_steps = scene.rear_steps or max(_FEWEST_REAR_STEPS, int(interval / target))
+    rear_steps = scene.rear_steps or max(_FEWEST_REAR_STEPS, int(_interval(scene, string, arrival) / target))
     rear_frames = math.ceil(arrival / (rear_steps * target) * (1.0 - 1e-12))
     if scene.timestep_s is None:
         rear_frames = max(rear_frames, _FEWEST_REAR_FRAMES)

@@ -6,23 +6,18 @@ import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 from beadband import folder as files
-from beadband.analysis.measurement import Measurement, balance, measure
+from beadband.analysis.measurement import balance, measure
 from beadband.analysis.trajectory import Trajectory, read, read_energies, read_mdanalysis
 from beadband.engine import run_script
-from beadband.errors import BeadbandError, RunError, UsageError
+from beadband.follow import estimate_of, hold, reading_own_files
+from beadband.inputs import write_ring
 from beadband.plan import Plan, plan_of
-from beadband.results import Estimate, Run, as_dict, stored_estimate, to_json
-from beadband.ring import Ring, stretched_ring
+from beadband.results import Run, as_dict, stored_estimate, to_json
 from beadband.scene import Scene, scene_of
 from beadband.scenefile import read_scene, scene_text
-
-# Half the beads cost an eighth; where that would be too few to say anything, twice as many cost little.
-_HALVE_FROM = 160
-
 
 Progress = Callable[[int, int], None]
 """Called now and then with the steps done and the steps in all."""
@@ -43,12 +38,6 @@ class _Clock:
             self.wall_s[name] = self.wall_s.get(name, 0.0) + time.perf_counter() - start
 
 
-def hold(plan: Plan) -> Ring:
-    """The held ring of a plan."""
-    scene = plan.scene
-    return stretched_ring(scene.strand(plan.beads), plan.beads, scene.strain, scene.half_angle_rad)
-
-
 def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = None) -> Run:
     """Release a scene and write everything about it into the new or empty folder ``out``.
 
@@ -63,7 +52,7 @@ def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = N
     with clock.part("write"):
         folder = files.create(out)
         files.write_text(folder / files.SCENE, scene_text(plan.scene))
-        files.write_inputs(folder, plan, ring)
+        write_ring(folder, plan, ring)
     with clock.part("integrate"):
         follow = (lambda done: progress(done, plan.steps)) if progress else None
         version = run_script(folder, files.SCRIPT, follow)
@@ -77,50 +66,6 @@ def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = N
         text = to_json(as_dict(done))
     files.write_text(folder / files.RESULTS, text, durable=True)
     return done
-
-
-@contextmanager
-def reading_own_files() -> Iterator[None]:
-    """Turn complaints about files into RunError: the request was sound, what LAMMPS wrote is not."""
-    try:
-        yield
-    except UsageError as error:
-        raise RunError(str(error)) from error
-
-
-def follow_rear(plan: Plan) -> Measurement:
-    """Release a plan without keeping anything but what its rear does: the cheap way to V and the curvature."""
-    with files.scratch() as folder:
-        files.write_inputs(folder, plan, hold(plan), pictures=False)
-        run_script(folder, files.SCRIPT)
-        return measure(plan, read(folder / files.REAR))
-
-
-def estimate_of(plan: Plan) -> Estimate | None:
-    """The release again with half the beads (or twice as many), its rear alone followed; None if that can't be."""
-    beads = plan.beads // 2 if plan.beads >= _HALVE_FROM else 2 * plan.beads
-    # A loss time of the user's is physics and stays; a numerical one goes with the mesh.
-    numerical = "loss_time_s" in plan.scene.planned
-    other = replace(
-        plan.scene,
-        beads=beads,
-        timestep_s=None,
-        loss_time_s=None if numerical else plan.loss_time_s,
-        steps=None,
-        rear_steps=None,
-        frames=None,
-        planned=(),
-    )
-    try:
-        found = follow_rear(plan_of(other))
-    except BeadbandError:
-        return None
-    return Estimate(
-        beads=beads,
-        speed_m_s=found.speed_m_s.value,
-        exponent=found.decay.exponent.value if found.decay else None,
-        eq7_ratio=found.decay.eq7_ratio.value if found.decay else None,
-    )
 
 
 def stored_plan(folder: str | os.PathLike[str]) -> Plan:

@@ -90,7 +90,13 @@ def plan_values(plan: Plan) -> dict[str, Any]:
         "steps": plan.steps,
         "frames": plan.frames,
         "front_arrival_s": plan.front_arrival_s,
-        "bead_steps": plan.beads * plan.steps,
+        "model": plan.model,
+        "bead_steps": plan.bead_steps,
+        "predicted": {
+            "speed_error": plan.speed_error,
+            "curvature_error": plan.curvature_error,
+            "seconds": plan.seconds,
+        },
         "reasons": list(plan.reasons),
         "warnings": list(plan.warnings),
     }
@@ -103,7 +109,11 @@ def plan(plan: Plan) -> str:
         f"Band {scene.band.name}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g} deg, {scene.law}, "
         f"for {scene.purpose} to {scene.tolerance:.2%}",
         *(f"  {reason}" for reason in plan.reasons),
-        f"  {plan.beads * plan.steps:.2g} bead-steps in all",
+        f"  predicted error: {plan.speed_error:.2g} of V"
+        + (
+            "" if plan.curvature_error is None else f", {plan.curvature_error:.2g} of the window-averaged tip curvature"
+        ),
+        f"  predicted cost: {plan.bead_steps:.2g} bead-steps, {plan.seconds:.2g} s",
         *(f"  note: {warning}" for warning in plan.warnings),
     ]
     return "\n".join(lines)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 from beadband.band import Band
 from beadband.law import Law, root
@@ -46,6 +47,7 @@ class StringLimit:
     """Speed of the unloading front in reference length."""
 
 
+@lru_cache(maxsize=256)
 def string_limit(law: Law, density_kg_m3: float, strain: float, half_angle_rad: float) -> StringLimit:
     """Solve u sin(phi) = k (1 - sin(phi)), k = sqrt(stress1 stretch1/density), for the stretch behind the front.
 

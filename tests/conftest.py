@@ -12,6 +12,7 @@ import pytest
 from beadband import release
 from beadband.analysis.measurement import Measurement
 from beadband.engine import program
+from beadband.follow import follow_rear
 from beadband.plan import Plan, plan_of
 from beadband.results import Run
 from beadband.scene import scene_of
@@ -24,7 +25,7 @@ REQUIRE_ALL = os.environ.get("BEADBAND_TEST_ALL") == "1"
 def rear_of(**values: Any) -> tuple[Plan, Measurement]:
     """Plan and measured rear of a scene."""
     plan = plan_of(scene_of(values))
-    return plan, release.follow_rear(plan)
+    return plan, follow_rear(plan)
 
 
 @pytest.fixture(scope="session")

@@ -11,9 +11,9 @@ import pytest
 
 from beadband.band import CATALOGUE
 from beadband.errors import UsageError
+from beadband.follow import follow_rear
 from beadband.law import LAWS, Law, Linear, MooneyRivlin, law_of, root
 from beadband.plan import plan_of
-from beadband.release import follow_rear
 from beadband.scene import scene_of
 
 

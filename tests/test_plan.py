@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
-from beadband import release
+from beadband import accuracy
+from beadband.engine import Session
 from beadband.errors import UsageError
+from beadband.follow import estimate_of, follow_rear
 from beadband.plan import MOST_PLANNED_BEADS, plan_of
 from beadband.results import joined_error_m_s
 from beadband.scales import bending_layer_m, similarity_window
@@ -25,28 +28,49 @@ SCENES: list[dict[str, Any]] = [
 ]
 
 
+@pytest.fixture(scope="module")
+def session() -> Iterator[Session]:
+    with Session() as opened:
+        yield opened
+
+
 @pytest.mark.parametrize("values", SCENES, ids=lambda values: f"{values['band']}-{values['strain']}")
-def test_planned_speed_is_within_tolerance_and_error_bar(values: dict[str, Any]) -> None:
-    plan = plan_of(scene_of({**values, "for": "speed"}))
-    found = release.follow_rear(plan).speed_m_s
-    estimate = release.estimate_of(plan)
-    assert estimate is not None
-    bar = joined_error_m_s(found, estimate)
-    finer = plan_of(scene_of({**values, "beads": min(4 * plan.beads, 4000)}))
-    error = abs(found.value - release.follow_rear(finer).speed_m_s.value)
+def test_planned_speed_is_within_tolerance_and_error_bar(values: dict[str, Any], session: Session) -> None:
+    plan = plan_of(scene_of({**values, "for": "speed"}), "leg")
+    found = follow_rear(plan, session).speed_m_s
+    bar = joined_error_m_s(found, estimate_of(plan, session), plan.speed_error)
+    finer = plan_of(scene_of({**values, "for": "speed", "beads": min(6 * plan.beads, 4000)}), "leg")
+    error = abs(found.value - follow_rear(finer, session).speed_m_s.value)
     assert error < plan.scene.tolerance * found.value
     assert error < bar
 
 
+def test_error_curve_falls_and_is_inverted() -> None:
+    for tolerance in (0.1, 0.02, 0.005, 0.001, 1e-4):
+        count = accuracy.beads_in_rear_for(tolerance)
+        assert accuracy.speed_error(count) == pytest.approx(tolerance, rel=1e-9)
+    # First order in the spacing where the numerical loss is all that is left.
+    assert accuracy.speed_error(2000.0) / accuracy.speed_error(1000.0) == pytest.approx(0.5, rel=1e-3)
+
+
 def test_tighter_tolerances_take_more_beads_and_say_why() -> None:
-    beads = [plan_of(scene_of({"tolerance": tolerance})).beads for tolerance in (0.02, 0.005, 0.001)]
+    plans = [plan_of(scene_of({"tolerance": tolerance})) for tolerance in (0.02, 0.005, 0.001)]
+    beads = [plan.beads for plan in plans]
     assert beads == sorted(set(beads))
     assert beads[2] / beads[1] == pytest.approx(math.sqrt(5.0), rel=0.05)  # second order in the spacing
-    assert any(
-        "bending layer" in warning or "layer" in warning
-        for warning in plan_of(scene_of({"bending_scale": 1e-6})).warnings
-    )
+    assert "the tip curvature needs beads closer than" in plans[1].reasons[0]
+    assert any("layer" in warning for warning in plan_of(scene_of({"bending_scale": 1e-6})).warnings)
     assert plan_of(scene_of({"tolerance": 1e-6, "for": "speed"})).beads == MOST_PLANNED_BEADS
+
+
+def test_plan_computes_no_more_than_is_asked_for() -> None:
+    ring, leg = (plan_of(scene_of({"for": "speed"}), model) for model in ("ring", "leg"))
+    assert (ring.model, leg.model) == ("ring", "leg")
+    assert ring.beads == leg.beads
+    assert leg.bead_steps < 0.25 * ring.bead_steps
+    assert leg.seconds < ring.seconds
+    # A layer that reaches as far as the finger is held by it: the leg alone won't do.
+    assert plan_of(scene_of({"band": "I", "bending_scale": 40.0}), "leg").model == "ring"
 
 
 def test_step_ends_with_the_front_and_stays_below_the_limit() -> None:

@@ -19,6 +19,8 @@ from beadband.analysis.trajectory import read, read_energies, read_mdanalysis
 from beadband.band import CATALOGUE
 from beadband.engine import run_script
 from beadband.errors import RunError
+from beadband.follow import follow_rear, hold
+from beadband.inputs import write_ring
 from beadband.plan import plan_of
 from beadband.results import Run, as_dict, failed_checks
 from beadband.scene import scene_of
@@ -92,9 +94,7 @@ def test_equal_groups_give_equal_speeds() -> None:
             "c01_pa": 2.0 * 0.122e6,
         }
     )
-    ratios = [
-        release.follow_rear(plan_of(scene)).speed_m_s.value / scene.band.bar_speed_m_s for scene in (base, scaled)
-    ]
+    ratios = [follow_rear(plan_of(scene)).speed_m_s.value / scene.band.bar_speed_m_s for scene in (base, scaled)]
     assert ratios[1] == pytest.approx(ratios[0], rel=1e-9)
 
 
@@ -213,7 +213,7 @@ def test_the_step_limit_is_the_edge(tmp_path: Path) -> None:
         folder = tmp_path / name
         folder.mkdir()
         plan = replace(base, timestep_s=share * base.largest_timestep_s)
-        files.write_inputs(folder, plan, release.hold(base))
+        write_ring(folder, plan, hold(base))
         run_script(folder, files.SCRIPT)
         return folder
 

@@ -13,6 +13,7 @@ from beadband import folder as files
 from beadband.chain import HalfRing, solve_blocks
 from beadband.engine import load
 from beadband.errors import UsageError
+from beadband.inputs import write_ring
 from beadband.plan import plan_of
 from beadband.release import hold
 from beadband.ring import LOWER, TIP, UPPER, WRAPPED, Ring, stretched_ring
@@ -113,7 +114,7 @@ def test_lammps_feels_the_same_equilibrium(tmp_path: Path) -> None:
         ring = hold(plan)
         folder = tmp_path / str(plan.beads)
         folder.mkdir()
-        files.write_inputs(folder, plan, ring)
+        write_ring(folder, plan, ring)
         text = (folder / files.SCRIPT).read_text()
         instance = load().lammps(cmdargs=["-screen", "none", "-log", "none", "-nocite"])
         try:

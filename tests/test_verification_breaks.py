@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from beadband import folder as files
-from beadband import release
+from beadband import inputs, release
 from beadband.plan import Plan
 from beadband.ring import LOWER, UPPER, Ring
 from beadband.strand import Strand
@@ -48,7 +47,7 @@ def test_dashpots_that_push(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(("column", "factor"), [(1, 1e3), (2, 1e-3), (3, 1e-3)], ids=["length", "energy", "force"])
 def test_bond_table_in_another_unit(monkeypatch: pytest.MonkeyPatch, column: int, factor: float) -> None:
-    true = files.bond_table
+    true = inputs.bond_table
 
     def wrong(strand: Strand, strain: float) -> str:
         *head, rows = true(strand, strain).split("\n\n")
@@ -57,7 +56,7 @@ def test_bond_table_in_another_unit(monkeypatch: pytest.MonkeyPatch, column: int
             line[column] = f"{factor * float(line[column]):.17g}"
         return "\n\n".join([*head, "\n".join(" ".join(line) for line in lines) + "\n"])
 
-    monkeypatch.setattr(files, "bond_table", wrong)
+    monkeypatch.setattr(inputs, "bond_table", wrong)
     assert failures("bond")
 
 

@@ -103,18 +103,18 @@ def _weight(values: Values) -> float:
 
 def _release(values: Values) -> Found | str:
     """Release a scene and its coarser twin in a worker process."""
+    from beadband.follow import estimate_of, follow_rear
     from beadband.plan import plan_of
-    from beadband.release import estimate_of, follow_rear
     from beadband.results import joined_error_m_s
     from beadband.scene import scene_of
 
     try:
-        plan = plan_of(scene_of(values))
+        plan = plan_of(scene_of(values), "leg")
         found = follow_rear(plan)
     except BeadbandError as error:
         return str(error)
     speed = found.speed_m_s
-    spread = joined_error_m_s(speed, estimate_of(plan))
+    spread = joined_error_m_s(speed, estimate_of(plan), plan.speed_error)
     scene = plan.scene
     return Found(
         values=values,

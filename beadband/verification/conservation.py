@@ -10,10 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from beadband import folder as files
-from beadband import release
 from beadband.analysis.trajectory import read
 from beadband.engine import program, run_script
 from beadband.errors import RunError, UsageError
+from beadband.follow import hold
+from beadband.inputs import write_ring
 from beadband.law import LAWS
 from beadband.plan import Plan, plan_of
 from beadband.ring import LOWER, UPPER, Ring
@@ -105,7 +106,7 @@ def _two_ranks(plan: Plan) -> Check:
         return Check("conservation", name, math.nan, 0.0, 1e-12, f"{missing} not found", skipped=True)
     with files.scratch() as one, files.scratch() as two:
         for folder in (one, two):
-            files.write_inputs(folder, plan, release.hold(plan), pictures=False)
+            write_ring(folder, plan, hold(plan), pictures=False)
         run_script(one, files.SCRIPT)
         command = [mpirun, "-np", "2", lmp, "-in", files.SCRIPT, "-screen", "none"]
         try:

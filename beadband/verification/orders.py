@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from beadband import release
 from beadband.analysis.tip import hann_mean
+from beadband.follow import follow_rear
 from beadband.plan import Plan, plan_of
 from beadband.scene import scene_of
 from beadband.verification.check import Check
@@ -45,7 +45,7 @@ def _refined(values: Sequence[tuple[float, float]]) -> tuple[float, float]:
 
 def _watched(plan: Plan) -> tuple[float, float]:
     """V and tip curvature of a release as means under their windows, m/s and 1/m."""
-    rear = release.follow_rear(plan).rear
+    rear = follow_rear(plan).rear
     later = rear.times_s > 0.0
     times, arrival = rear.times_s[later], plan.front_arrival_s
     return (

@@ -10,6 +10,8 @@ from beadband import release
 from beadband.analysis.measurement import Balance, Measurement, balance, measure
 from beadband.analysis.trajectory import Trajectory, read, read_energies
 from beadband.engine import run_script
+from beadband.follow import hold, reading_own_files
+from beadband.inputs import write_ring
 from beadband.plan import Plan
 from beadband.ring import Ring
 
@@ -29,10 +31,10 @@ class Released:
 def let_go(plan: Plan, turned: Callable[[Ring], Ring] | None = None) -> Released:
     """Release a plan, of a held ring that may be ``turned`` first; RunError where LAMMPS or the measuring fails."""
     with files.scratch() as folder:
-        ring = release.hold(plan)
-        files.write_inputs(folder, plan, turned(ring) if turned else ring)
+        ring = hold(plan)
+        write_ring(folder, plan, turned(ring) if turned else ring)
         run_script(folder, files.SCRIPT)
-        with release.reading_own_files():
+        with reading_own_files():
             rear = read(folder / files.REAR)
             return Released(
                 plan=plan,

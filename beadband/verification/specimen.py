@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beadband import folder as files
+from beadband import inputs
 from beadband.analysis.trajectory import Trajectory, read
 from beadband.engine import run_script
 from beadband.strand import Strand
@@ -101,7 +102,7 @@ def run(
     strand = specimen.strand
     cutoff = specimen.cutoff_m or 3.8 * strand.spacing_m
     variables: dict[str, int | float] = {
-        "table_points": files.TABLE_POINTS,
+        "table_points": inputs.TABLE_POINTS,
         "angle_coefficient": strand.angle_coefficient_j,
         "dashpot": strand.dashpot_n_s_m(loss_time_s),
         "dashpot_cutoff": cutoff,
@@ -113,8 +114,8 @@ def run(
         "frame_steps": frame_steps,
     }
     with files.scratch() as folder:
-        (folder / SCRIPT).write_text(files.with_variables(SCRIPT, variables), encoding="utf-8")
-        (folder / files.TABLE).write_text(files.bond_table(strand, specimen.strain), encoding="utf-8")
+        (folder / SCRIPT).write_text(inputs.with_variables(SCRIPT, variables), encoding="utf-8")
+        (folder / files.TABLE).write_text(inputs.bond_table(strand, specimen.strain), encoding="utf-8")
         (folder / files.DATA).write_text(data_file(specimen), encoding="utf-8")
         run_script(folder, SCRIPT)
         frames: Trajectory = read(folder / files.TRAJECTORY)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from beadband import folder as files
+from beadband import inputs
 from beadband.band import CATALOGUE
 from beadband.law import LAWS
 from beadband.strand import Strand
@@ -55,7 +55,7 @@ def bond() -> list[Check]:
 
 def _bond_response(strand: Strand) -> tuple[Array, Array, Array, float]:
     """Stretches, tensions (N), tangents (N per unit of stretch) of single bonds, and the error of their energy."""
-    ends = np.array([files.DEEPEST_STRETCH, 1.0 + 1.25 * _STRAIN])
+    ends = np.array([inputs.DEEPEST_STRETCH, 1.0 + 1.25 * _STRAIN])
     stretch = np.linspace(ends[0] + 2.0 * _DIFFERENCE, ends[1] - 2.0 * _DIFFERENCE, _LENGTHS)
     stretch = np.append(stretch, 1.0 + _STRAIN)
     lengths = strand.spacing_m * np.concatenate([stretch - _DIFFERENCE, stretch, stretch + _DIFFERENCE])

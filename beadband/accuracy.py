@@ -1,0 +1,73 @@
+"""What a number of beads is worth: measured error curves, and what a run costs.
+
+The curves come from tests/validation/error_curves.py: random scenes (all bands, both laws, strain 0.1-1.4, half-angle
+5-30 degrees) released on one leg with 10 to 640 beads to the leg each, against their finest run. The error of
+the rebound speed falls on one curve when the bead spacing is taken over the length of what moves at the rear: the
+half of the rear segment that the kink has passed when the front arrives, and five times the length sqrt(a_b t_f) over
+which bending spreads by then. The curves are the 95 % envelopes of the errors.
+"""
+
+from __future__ import annotations
+
+import math
+
+from beadband.law import root
+from beadband.scales import bending_layer_m, front_arrival_s
+from beadband.scene import Scene
+from beadband.wedge import StringLimit
+
+BENDING_SPREAD = 5.0
+LEAST_RESOLUTION = 8.0
+"""Beads in the rear from which on the curve of the speed is known."""
+
+CURVATURE_SPACING = 0.6
+"""Bead spacing over the bending layer at which the windowed tip curvature is right to about one per cent."""
+TOLERANCE_OF_SPACING = 0.005
+COARSEST_SPACING = 1.5
+"""Beyond this share of the bending layer the tip curvature is not measured at all."""
+
+_STEP_S = 10e-6
+_BEAD_STEP_S = 0.17e-6
+_FRAME_NUMBER_S = 0.6e-6
+_COLUMNS = 11
+_SETUP_S = {"leg": 0.004, "ring": 0.05}
+"""Seconds on one core of a machine of 2024: of a step, a bead and step, a number written, and of beginning."""
+
+
+def rear_length_m(scene: Scene, string: StringLimit) -> float:
+    """Reference length of what the beads at the rear must resolve."""
+    sine = math.sin(scene.half_angle_rad)
+    rear = scene.wedge.reference_leg_m * scene.strain * sine / (1.0 - sine)
+    return rear + BENDING_SPREAD * math.sqrt(scene.bending_diffusivity_m2_s * front_arrival_s(scene, string))
+
+
+def speed_error(beads_in_rear: float) -> float:
+    """Relative error of the rebound speed that 95 % of the scenes stay below.
+
+    The first part is the numerical loss, of the first order in the spacing; the second is what single beads make of the
+    kink, until they are too few to be called a curve.
+    """
+    return min(0.12, 0.105 / beads_in_rear + 0.010 * (22.0 / beads_in_rear) ** 4.2)
+
+
+def beads_in_rear_for(tolerance: float) -> float:
+    """Inverse of :func:`speed_error`."""
+    if speed_error(LEAST_RESOLUTION) <= tolerance:
+        return LEAST_RESOLUTION
+    return root(lambda count: speed_error(count) - tolerance, LEAST_RESOLUTION, 100.0 / tolerance)
+
+
+def curvature_error(scene: Scene, spacing_m: float) -> float | None:
+    """Relative error of the window-averaged tip curvature that 90 % of the scenes stay below; None without a layer."""
+    layer = bending_layer_m(scene)
+    return 0.067 * (spacing_m / layer) ** 2 if layer > 0.0 and spacing_m <= COARSEST_SPACING * layer else None
+
+
+def curvature_spacing_m(scene: Scene) -> float:
+    """Spacing at which the tip curvature is as good as the tolerance asks; of the second order in the spacing."""
+    return CURVATURE_SPACING * bending_layer_m(scene) * math.sqrt(scene.tolerance / TOLERANCE_OF_SPACING)
+
+
+def seconds(model: str, beads: int, steps: int, frames: int) -> float:
+    """Predicted seconds on one core for relaxing, setting up, integrating and writing frames of the whole ring."""
+    return _SETUP_S[model] + steps * (_STEP_S + _BEAD_STEP_S * beads) + frames * beads * _COLUMNS * _FRAME_NUMBER_S
