@@ -153,8 +153,8 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
         _beam_warnings(scene, warnings)
     elif layer and scene.beads is not None:
         warnings.append(
-            f"the bending layer of the held tip ({layer:.3g} m) is finer than the beads "
-            f"({strand.spacing_m:.3g} m): the tip curvature is not resolved"
+            f"the bending layer of the held tip ({layer * 1e3:.3g} mm) is finer than the beads "
+            f"({strand.spacing_m * 1e3:.3g} mm): the tip curvature is not resolved"
         )
     return Plan(
         scene=replace(
@@ -198,14 +198,14 @@ def _choose_beads(scene: Scene, string: StringLimit, reasons: list[str], warning
         if wanted < for_curvature <= MOST_PLANNED_BEADS:
             beads = _round_up(for_curvature)
             reasons.append(
-                f"{beads} beads: the held tip bends over a layer of {layer:.3g} m, and the tip curvature needs beads "
-                f"closer than {spacing / layer:.2g} of it ({spacing:.3g} m); the rebound speed alone would do with "
+                f"{beads} beads: the held tip bends over a layer of {layer * 1e3:.3g} mm, and the tip curvature needs beads "
+                f"closer than {spacing / layer:.2g} of it ({spacing * 1e3:.3g} mm); the rebound speed alone would do with "
                 f"{_round_up(wanted)}"
             )
             return beads
         if for_curvature > MOST_PLANNED_BEADS:
             warnings.append(
-                f"the bending layer of the held tip is only {layer:.3g} m: the tip curvature would need "
+                f"the bending layer of the held tip is only {layer * 1e3:.3g} mm: the tip curvature would need "
                 f"{for_curvature:.0f} beads and is not resolved (set --beads to insist)"
             )
     if wanted > MOST_PLANNED_BEADS:
@@ -215,15 +215,16 @@ def _choose_beads(scene: Scene, string: StringLimit, reasons: list[str], warning
         )
     beads = _round_up(min(wanted, MOST_PLANNED_BEADS))
     reasons.append(
-        f"{beads} beads: what moves at the rear is {rear:.3g} m long, and the rebound speed needs {in_rear:.3g} "
+        f"{beads} beads: what moves at the rear is {rear * 1e3:.3g} mm long, and the rebound speed needs {in_rear:.3g} "
         f"beads in it for {scene.tolerance:.2%}"
     )
     return beads
 
 
 def _round_up(beads: float) -> int:
-    """To a number whose half is even, so that the second run has it too."""
-    return 4 * math.ceil(beads / 4.0)
+    """To a number whose half is even, so that the second run has it too; a round one where that costs little."""
+    step = 20 if beads > 200.0 else 4
+    return step * math.ceil(beads / step)
 
 
 def _choose_loss(scene: Scene, string: StringLimit, beads: int, reasons: list[str]) -> tuple[float, float]:
@@ -262,7 +263,7 @@ def _bending_reason(scene: Scene, string: StringLimit) -> str:
     rear = scene.wedge.reference_leg_m * scene.strain * sine / (1.0 - sine)
     kept = "the tip curvature is nothing but bending" if scene.purpose == "curvature" else "it rounds the kinks"
     return (
-        f"bending is kept: {kept}, and it spreads over {spread:.3g} m by the front's arrival, against {rear:.3g} m of "
+        f"bending is kept: {kept}, and it spreads over {spread * 1e3:.3g} mm by the front's arrival, against {rear * 1e3:.3g} mm of "
         f"rear; without it the speed would be the string's, {string.rear_speed_m_s:.4g} m/s"
     )
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from beadband import inputs, release
+from beadband import inputs
 from beadband.plan import Plan
 from beadband.ring import LOWER, UPPER, Ring
 from beadband.strand import Strand
-from beadband.verification import report, stringlimit, verify
+from beadband.verification import releases, report, stringlimit, verify
 
 
 def failures(rung: str) -> list[str]:
@@ -62,7 +62,7 @@ def test_bond_table_in_another_unit(monkeypatch: pytest.MonkeyPatch, column: int
 
 @pytest.mark.parametrize("kind", ["mirrored", "mixed legs"])
 def test_ring_the_wrong_way_round(monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
-    true = release.hold
+    true = releases.hold
 
     def wrong(plan: Plan) -> Ring:
         ring = true(plan)
@@ -73,7 +73,7 @@ def test_ring_the_wrong_way_round(monkeypatch: pytest.MonkeyPatch, kind: str) ->
         types[legs] = np.where(legs % 2, UPPER, LOWER)  # neighbours along a leg no longer see each other's dashpots
         return replace(ring, types=types)
 
-    monkeypatch.setattr(release, "hold", wrong)
+    monkeypatch.setattr(releases, "hold", wrong)
     monkeypatch.setattr(stringlimit, "_WEDGES", ((0.476, 14.0),))
     checks = verify("string")
     assert [check for check in checks if check.failed], report.table(checks)
