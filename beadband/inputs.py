@@ -66,7 +66,7 @@ Masses
 """
     masses = "".join(f"{kind} {strand.bead_mass_kg:.17g}\n" for kind in range(1, 5))
     atoms = "".join(
-        f"{i} 1 {kind} {px:.17g} {py:.17g} 0\n"
+        f"{i} 1 {kind} {px!r} {py!r} 0\n"
         for i, kind, px, py in zip(index.tolist(), ring.types.tolist(), x.tolist(), y.tolist(), strict=True)
     )
     bonds = "".join(f"{i} 1 {i} {j}\n" for i, j in zip(index.tolist(), after.tolist(), strict=True))
@@ -83,7 +83,7 @@ def bond_table(strand: Strand, strain: float, points: int = TABLE_POINTS) -> str
     energy, force = a * area * law.energy(stretch), -area * law.stress(stretch)
     slopes = [-area * float(law.tangent(stretch[end])) / a for end in (0, -1)]
     rows = "".join(
-        f"{i} {r:.17g} {e:.17g} {f:.17g}\n"
+        f"{i} {r!r} {e!r} {f!r}\n"
         for i, (r, e, f) in enumerate(zip((stretch * a).tolist(), energy.tolist(), force.tolist(), strict=True), 1)
     )
     return (
@@ -171,7 +171,7 @@ Masses
 """
     weights = "".join(f"{kind} {value:.17g}\n" for kind, value in enumerate(masses, 1))
     atoms = "".join(
-        f"{i} 1 {kind} {px:.17g} {py:.17g} 0\n"
+        f"{i} 1 {kind} {px!r} {py!r} 0\n"
         for i, (kind, px, py) in enumerate(zip(kinds, x.tolist(), y.tolist(), strict=True), 1)
     )
     guide = f"{count + 1} 1 2 0 {-a:.17g} 0\n"

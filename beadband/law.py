@@ -9,17 +9,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from beadband.errors import UsageError, explain
 
 if TYPE_CHECKING:
     from beadband.band import Band
 
+Array = NDArray[Any]
+
 # Stretches scanned for a tension peak; rubber breaks well before the upper end.
 _SCAN_UP_TO = 12.0
 _SCAN_STEP = 0.01
+_PIECES = 128
+"""Into which the way down of an unloading wave is cut."""
 
 
 class UnloadingWave(NamedTuple):
@@ -59,13 +65,12 @@ class Law:
         Beyond it a uniformly held stretch is unstable: the law is valid from compression up to here.
         """
         steps = int((_SCAN_UP_TO - 1.0) / _SCAN_STEP)
-        below = 1.0
-        for i in range(steps + 1):
-            stretch = 1.0 + i * _SCAN_STEP
-            if self.tangent(stretch) <= 0.0:
-                return root(self.tangent, below, stretch) if i else 1.0
-            below = stretch
-        return None
+        stretches = 1.0 + _SCAN_STEP * np.arange(steps + 1)
+        falling = np.flatnonzero(self.tangent(stretches) <= 0.0)
+        if not len(falling):
+            return None
+        first = int(falling[0])
+        return root(self.tangent, float(stretches[first - 1]), float(stretches[first])) if first else 1.0
 
     def stretch_at(self, stress_pa: float, at_most: float) -> float:
         """Stretch that carries a nominal stress between 0 and that of ``at_most`` (Newton, bracketed)."""
@@ -94,24 +99,33 @@ class Law:
         """
         if not behind < ahead:
             return UnloadingWave(0.0, math.sqrt(self.tangent(ahead) / density_kg_m3))
-        speed = front = 0.0
-        for (low, stress_low), (high, stress_high) in pairwise(self._envelope(behind, ahead)):
-            front = math.sqrt((stress_high - stress_low) / ((high - low) * density_kg_m3))
-            speed += front * (high - low)
-        return UnloadingWave(speed, front)
+        stretch = np.linspace(behind, ahead, _PIECES + 1)
+        stress = self.stress(stretch)
+        # Corners of the envelope: for most laws the chord alone (the curve stays above) or all of the curve (convex).
+        slopes = np.diff(stress)
+        slack = 1e-13 * abs(float(stress[-1]))
+        if np.all(stress[1:-1] >= np.interp(stretch[1:-1], [behind, ahead], stress[[0, -1]]) - slack):
+            corners = np.array([0, _PIECES])
+        elif np.all(np.diff(slopes) > slack):
+            corners = np.arange(_PIECES + 1)
+        else:
+            corners = _lower_envelope(stretch, stress)
+        strains, stresses = np.diff(stretch[corners]), np.diff(stress[corners])
+        speeds = np.sqrt(stresses / (strains * density_kg_m3))
+        return UnloadingWave(float(np.sum(speeds * strains)), float(speeds[-1]))
 
-    def _envelope(self, low: float, high: float, pieces: int = 128) -> list[tuple[float, float]]:
-        """Corners of the lower convex envelope of the stress, from sampled points."""
-        hull: list[tuple[float, float]] = []
-        scale = abs(self.stress(high)) * (high - low)
-        for i in range(pieces + 1):
-            stretch = low + (high - low) * i / pieces
-            point = (stretch, self.stress(stretch))
-            # A corner on or above the chord of its neighbours is none; rounding must not keep it (linear law).
-            while len(hull) > 1 and _turn(hull[-2], hull[-1], point) <= 1e-13 * scale:
-                hull.pop()
-            hull.append(point)
-        return hull
+
+def _lower_envelope(x: Array, y: Array) -> Array:
+    """Indices of the corners of the lower convex envelope of the points."""
+    points = list(zip(x.tolist(), y.tolist(), strict=True))
+    scale = abs(points[-1][1]) * (points[-1][0] - points[0][0])
+    hull: list[int] = []
+    for i, point in enumerate(points):
+        # A corner on or above the chord of its neighbours is none; rounding must not keep it.
+        while len(hull) > 1 and _turn(points[hull[-2]], points[hull[-1]], point) <= 1e-13 * scale:
+            hull.pop()
+        hull.append(i)
+    return np.array(hull)
 
 
 def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:

@@ -198,9 +198,9 @@ def _choose_beads(scene: Scene, string: StringLimit, reasons: list[str], warning
         if wanted < for_curvature <= MOST_PLANNED_BEADS:
             beads = _round_up(for_curvature)
             reasons.append(
-                f"{beads} beads: the held tip bends over a layer of {layer * 1e3:.3g} mm, and the tip curvature needs beads "
-                f"closer than {spacing / layer:.2g} of it ({spacing * 1e3:.3g} mm); the rebound speed alone would do with "
-                f"{_round_up(wanted)}"
+                f"{beads} beads: the held tip bends over a layer of {layer * 1e3:.3g} mm, and the tip curvature needs "
+                f"beads closer than {spacing / layer:.2g} of it ({spacing * 1e3:.3g} mm); the rebound speed alone would do "
+                f"with {_round_up(wanted)}"
             )
             return beads
         if for_curvature > MOST_PLANNED_BEADS:
@@ -263,8 +263,8 @@ def _bending_reason(scene: Scene, string: StringLimit) -> str:
     rear = scene.wedge.reference_leg_m * scene.strain * sine / (1.0 - sine)
     kept = "the tip curvature is nothing but bending" if scene.purpose == "curvature" else "it rounds the kinks"
     return (
-        f"bending is kept: {kept}, and it spreads over {spread * 1e3:.3g} mm by the front's arrival, against {rear * 1e3:.3g} mm of "
-        f"rear; without it the speed would be the string's, {string.rear_speed_m_s:.4g} m/s"
+        f"bending is kept: {kept}, and it spreads over {spread * 1e3:.3g} mm by the front's arrival, against "
+        f"{rear * 1e3:.3g} mm of rear; without it the speed would be the string's, {string.rear_speed_m_s:.4g} m/s"
     )
 
 
