@@ -27,7 +27,8 @@ FRAMES_PER_SECOND = 20
 _FPS_RANGE = (1, 50)  # a GIF counts in hundredths of a second, and players slow down what is faster than two
 _WIDTH_INCHES, _DPI = 8.0, 100
 _GIF_COLOURS = 255
-_INK, _FINGER, _EDGE, _GHOST = "#1d2126", "#e6dfd4", "#b9ad9a", "#b5b0a8"
+_NEARLY_WHITE = 246  # Pillow looks up colours in coarse boxes: what shares one with the white sheet must be white
+_INK, _SOFT, _FINGER, _EDGE, _GHOST = "#1d2126", "#59616b", "#e6dfd4", "#b9ad9a", "#b5b0a8"
 
 
 def write(
@@ -39,10 +40,23 @@ def write(
 ) -> Path:
     """Write the movie of a finished run, by default into its folder as movie.gif; return its path.
 
-    The suffix of ``out`` chooses the format. UsageError when the folder is not that of a finished run, or the format,
-    its program or the rate can't be; RunError when the writer fails.
+    UsageError when the folder is not that of a finished run, and as :func:`film` has it.
     """
     path = files.outfile(out if out is not None else Path(folder) / NAME)
+    return film(read_story(folder), path, fps, coloured_by, progress)
+
+
+def film(
+    story: Story,
+    path: Path,
+    fps: int = FRAMES_PER_SECOND,
+    coloured_by: str = "stretch",
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Write the movie of a story, whole or not at all; the suffix of ``path`` chooses the format.
+
+    UsageError when the format, its program, the rate or the colour can't be; RunError when the writer fails.
+    """
     if path.suffix.lower() not in FORMATS:
         raise UsageError(
             explain("unknown format of a movie", repr(path.name), ", ".join(FORMATS), "choose a suffix with --out")
@@ -51,8 +65,9 @@ def write(
         raise UsageError(
             explain("no such rate of frames", fps, "{} to {} a second".format(*_FPS_RANGE), "change --fps")
         )
+    if coloured_by not in colour.NAMES:
+        raise UsageError(explain("unknown colour", repr(coloured_by), ", ".join(colour.NAMES), "change --colour"))
     writer = _writer(path.suffix.lower(), fps)
-    story = read_story(folder)
     partial = path.with_name(f".{path.stem}.partial{path.suffix}")
     try:
         _film(story, writer, partial, coloured_by, progress)
@@ -104,7 +119,7 @@ def _gif_writer(fps: int) -> Any:
                 sample.paste(page, (0, place * high))
             palette = sample.quantize(_GIF_COLOURS, dither=Image.Dither.NONE)
             colours = np.array(palette.getpalette()).reshape(-1, 3)
-            colours[colours.sum(axis=1).argmax()] = 255  # the sheet is white, not nearly white
+            colours[colours.min(axis=1) >= _NEARLY_WHITE] = 255
             palette.putpalette(colours.ravel().tolist())
             first, *others = (page.quantize(palette=palette, dither=Image.Dither.NONE) for page in self.pages)
             first.save(self.outfile, save_all=True, append_images=others, duration=round(1000.0 / self.fps), loop=0)
@@ -121,15 +136,18 @@ def _film(story: Story, writer: Any, path: Path, coloured_by: str, progress: Cal
     figure = _figure(story)
     axes = _axes(figure, story)
     _draw_still(figure, axes, story, scale, row)
+    finger = _draw_finger(axes, story)
     closed = np.concatenate([story.positions_m, story.positions_m[:, :1]], axis=1)
     band = LineCollection([], linewidths=_points(figure, axes, story.thickness_m), capstyle="round", animated=True)
     axes.add_collection(band, autolim=False)
     title = figure.text(0.5, 0.955, "", ha="center", va="center", fontsize=13, color=_INK, animated=True)
     speeds = np.interp(story.times_s, story.tip_times_s, story.tip_speed_m_s)
     with writer.saving(figure, str(path), _DPI):
-        figure.hold_still([band, title])
+        figure.hold_still([*finger, band, title])
         for frame, time in enumerate(story.times_s.tolist()):
             points = closed[frame]
+            for artist in finger:
+                artist.set_visible(story.finger.until_s is None or time < story.finger.until_s)
             band.set_segments(list(np.stack([points[:-1], points[1:]], axis=1)))
             band.set_color(row(scale.place(values[frame])))
             speed = f"V = {speeds[frame]:5.2f} m/s" if frame else "held"
@@ -143,10 +161,8 @@ def _colours(story: Story, coloured_by: str) -> tuple[colour.Scale, Array]:
     """The scale, and the value of each bond, shape (frames, beads)."""
     if coloured_by == "stretch":
         return colour.stretch_scale(story.stretch), story.stretch
-    if coloured_by == "curvature":
-        bent = story.curvature_1_m
-        return colour.curvature_scale(bent, story.finger.radius_m), 0.5 * (bent + np.roll(bent, -1, axis=1))
-    raise UsageError(explain("unknown colour", repr(coloured_by), ", ".join(colour.NAMES), "change --colour"))
+    bent = story.curvature_1_m
+    return colour.curvature_scale(bent, story.finger.radius_m), 0.5 * (bent + np.roll(bent, -1, axis=1))
 
 
 def _row(scale: colour.Scale) -> Any:
@@ -213,21 +229,26 @@ def _points(figure: Any, axes: Any, length_m: float) -> float:
     return float(max((ends[1, 0] - ends[0, 0]) * 72.0 / figure.dpi, 1.5))
 
 
-def _draw_still(figure: Any, axes: Any, story: Story, scale: colour.Scale, row: Any) -> None:
-    """Finger, held shape, a bar to measure with, the row of colours, and what the scene is."""
+def _draw_finger(axes: Any, story: Story) -> list[Any]:
+    """The finger up to the inner face of the band, with its name: moving parts, for it may be withdrawn."""
     from matplotlib.patches import Circle
 
-    finger, held = story.finger, story.positions_m[0]
-    inner = finger.radius_m - 0.5 * story.thickness_m
-    axes.add_patch(Circle((finger.centre_m, 0.0), inner, facecolor=_FINGER, edgecolor=_EDGE))
-    axes.text(finger.centre_m, 0.0, "finger", ha="center", va="center", color="#59616b", fontsize=10)
+    centre, inner = (story.finger.centre_m, 0.0), story.finger.radius_m - 0.5 * story.thickness_m
+    circle = axes.add_patch(Circle(centre, inner, facecolor=_FINGER, edgecolor=_EDGE, animated=True))
+    name = axes.text(*centre, "finger", ha="center", va="center", color=_SOFT, fontsize=10, animated=True)
+    return [circle, name]
+
+
+def _draw_still(figure: Any, axes: Any, story: Story, scale: colour.Scale, row: Any) -> None:
+    """The held shape, a bar to measure with, the row of colours, and what the scene is."""
+    held = story.positions_m[0]
     axes.plot(*np.concatenate([held, held[:1]]).T, color=_GHOST, linewidth=0.8, linestyle=(0, (4, 4)))
     low, high = _box(story)
     power = 10.0 ** np.floor(np.log10((high - low)[0] / 5.0))
     bar = max(m * power for m in (1.0, 2.0, 5.0) if m * power <= (high - low)[0] / 5.0)
     left, bottom = low + 0.02 * (high - low)
-    axes.plot([left, left + bar], [bottom, bottom], color="#59616b", linewidth=1.5)
-    axes.text(left, bottom + 0.015 * (high - low)[1], f"{bar * 1e3:g} mm", fontsize=9, color="#59616b", va="bottom")
+    axes.plot([left, left + bar], [bottom, bottom], color=_SOFT, linewidth=1.5)
+    axes.text(left, bottom + 0.015 * (high - low)[1], f"{bar * 1e3:g} mm", fontsize=9, color=_SOFT, va="bottom")
 
     tall = figure.get_figheight()
     strip = figure.add_axes((0.62, 0.34 / tall, 0.34, 0.12 / tall))
@@ -240,7 +261,7 @@ def _draw_still(figure: Any, axes: Any, story: Story, scale: colour.Scale, row: 
     strip.tick_params(length=2, pad=1.5)
     unit = f" ({scale.unit})" if scale.unit else ""
     strip.text(-0.02, 0.5, scale.label + unit, transform=strip.transAxes, ha="right", va="center", fontsize=9)
-    figure.text(0.02, 0.40 / tall, story.title, fontsize=9, color="#59616b", va="center", parse_math=False)
+    figure.text(0.02, 0.40 / tall, story.title, fontsize=9, color=_SOFT, va="center", parse_math=False)
 
 
 def _even(low: float, high: float) -> list[float]:

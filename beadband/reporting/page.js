@@ -22,6 +22,12 @@ function unpack(base64) {
   const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
   return new Uint16Array(bytes.buffer);
 }
+function keyBox() {
+  const key = document.createElementNS(svgSpace, "svg");
+  key.setAttribute("viewBox", "0 0 22 10");
+  key.setAttribute("aria-hidden", "true");
+  return key;
+}
 const short = (v, digits = 4) => (v === 0 ? "0" : String(Number(v.toPrecision(digits))).replace("-", "−"));
 const ms = (t) => (1e3 * t).toFixed(end < 0.01 ? 3 : 2) + " ms";
 
@@ -231,16 +237,14 @@ function addChart(given) {
     return {...curve, bottom, tops, ink: i % 4, main: curve.style === "line"};
   });
   const readings = curves.map((curve) => {
-    const reading = make("b"), key = document.createElementNS(svgSpace, "svg");
-    key.setAttribute("viewBox", "0 0 22 10");
+    const reading = make("b"), key = keyBox();
     if (given.stacked) draw(key, "rect", {x: 2, y: 0, width: 18, height: 10, class: `area f${curve.ink}`});
     else draw(key, "line", {x1: 2, x2: 20, y1: 5, y2: 5, class: `curve s${curve.ink} ${curve.style}`});
     list.append(make("li", {}, key, make("span", {}, curve.name), reading));
     return reading;
   });
   if (given.window_s) {
-    const key = document.createElementNS(svgSpace, "svg");
-    key.setAttribute("viewBox", "0 0 22 10");
+    const key = keyBox();
     draw(key, "rect", {x: 2, y: 0, width: 18, height: 10, class: "shade"});
     list.append(make("li", {}, key, make("span", {}, given.window_name)));
   }
