@@ -113,6 +113,7 @@ def test_a_launch_brings_its_curves_and_rows(launched: Story) -> None:
     assert rows["speed of the centre of mass"] == "12.500 +/- 0.020 m/s"
     assert rows["pause between them"] == "1.2 ms"
     assert launched.finger.until_s == 0.0034
+    assert launched.headline.endswith("1.2 ms to get away.")
 
 
 def test_a_launch_that_did_not_get_there(results: dict[str, Any], told: Story, default_run: tuple[Run, Path]) -> None:
@@ -121,6 +122,7 @@ def test_a_launch_that_did_not_get_there(results: dict[str, Any], told: Story, d
     assert dict(story.results)["rear at the finger at"] == "not reached"
     assert [chart.key for chart in story.charts] == ["speed", "curvature", "energy"]
     assert story.finger.until_s is None
+    assert "get away" not in story.headline
 
 
 def test_scales_run_from_end_to_end() -> None:

@@ -218,9 +218,19 @@ def _headline(results: Mapping[str, Any]) -> str:
 
     speed, error = results["rebound_speed_m_s"], results["rebound_speed_error_m_s"]
     away = speed / results["string_speed_m_s"] - 1.0
-    return (
+    text = (
         f"The rear rebounds at {tables.with_error(speed, error).replace('+/-', '±')} m/s, {abs(away):.2%} "
         f"{'above' if away > 0.0 else 'below'} the limit of a string that does not resist bending."
+    )
+    launch = results.get("launch") or {}
+    free, arrival, pause = (launch.get(key) for key in ("finger_free_s", "rear_arrival_s", "pause_s"))
+    if free is None or arrival is None or pause is None:
+        return text
+    return (
+        f"{text} The finger is free after {free * 1e3:.3g} ms and the rear is there after {arrival * 1e3:.3g} ms: "
+        f"{pause * 1e3:.2g} ms to get away."
+        if pause > 0.0
+        else f"{text} The rear is there after {arrival * 1e3:.3g} ms, before the finger is free."
     )
 
 
@@ -234,7 +244,7 @@ def _speed_chart(results: Mapping[str, Any]) -> Chart:
         Curve("string limit (EI → 0)", ends, np.full(2, results["string_speed_m_s"]), "dashed"),
         Curve("V, slope of the path", window, np.full(2, speed), "bold"),
     ]
-    moving = results.get("launch", {}).get("series", {}) if results.get("launch") else {}
+    moving = (results.get("launch") or {}).get("series") or {}
     if moving.get("centre_speed_m_s"):
         curves.insert(1, Curve("centre of mass", _array(moving["t_s"]), _array(moving["centre_speed_m_s"])))
     return Chart("speed", "Speed of the rear tip", "m/s", tuple(curves))
@@ -289,7 +299,7 @@ def _launch_charts(launch: Mapping[str, Any]) -> list[Chart]:
     charts = []
     for key, title, unit, factor in (
         ("finger_force_n", "Force on the finger", "N", 1.0),
-        ("clearance_m", "Clearance between rear and finger", "mm", 1e3),
+        ("clearance_m", "Clearance of the rear", "mm", 1e3),
     ):
         if series.get(key):
             curve = Curve(title.lower(), _array(series["t_s"]), factor * _array(series[key]))
