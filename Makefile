@@ -25,6 +25,7 @@ types:
 wheel:
 	rm -rf build/wheel && $(BIN)/pip wheel --quiet --no-deps -w build/wheel .
 	$(BIN)/python -m zipfile -l build/wheel/beadband-*.whl | grep -q 'beadband/lmp_inputs/release.in'
+	$(BIN)/python -m zipfile -l build/wheel/beadband-*.whl | grep -q 'beadband/reporting/page.js'
 	! $(BIN)/python -m zipfile -l build/wheel/beadband-*.whl | grep -E '^(analysis|lmp_inputs|tests)/'
 
 check: lint types wheel

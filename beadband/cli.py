@@ -14,7 +14,7 @@ from typing import NoReturn
 from beadband import __version__
 from beadband.errors import BeadbandError
 
-RESERVED = ("pareto", "stability", "sweep", "movie", "report")
+RESERVED = ("pareto", "stability", "sweep")
 """Commands whose names are kept for later versions."""
 
 
@@ -61,6 +61,12 @@ def build_parser() -> argparse.ArgumentParser:
     run.add_argument("--out", metavar="DIR", help="new or empty folder for the run (default: named after the scene)")
     command("analyze", "measure a run again, from the files in its folder", folder=True)
     command("plot", "the pictures of a run", folder=True)
+    report = command("report", "a page that plays a run, with its curves and tables", folder=True)
+    report.add_argument("--out", metavar="FILE", help="the page (default: DIR/report.html)")
+    movie = command("movie", "a GIF or MP4 of a run", folder=True)
+    movie.add_argument("--out", metavar="FILE", help="a .gif or .mp4 (default: DIR/movie.gif)")
+    movie.add_argument("--fps", metavar="N", type=int, default=20, help="frames a second, 1 to 50 (default: 20)")
+    movie.add_argument("--colour", choices=("stretch", "curvature"), default="stretch", help="(default: stretch)")
     verify = command("verify", "independent checks against exact answers")
     verify.add_argument("--only", metavar="NAME", help="one rung of the ladder")
     reproduce = command("reproduce", "the paper, figure by figure, with a scorecard")

@@ -61,9 +61,23 @@ def plot(arguments: Namespace) -> int:
 
     done = release.remeasure(arguments.dir)
     ring = release.frames(arguments.dir)
-    written = [str(path) for path in pictures.draw(done, ring, arguments.dir)]
-    print(json.dumps(written, indent=1) if arguments.json else "\n".join(written))
-    return 0
+    return _written([str(path) for path in pictures.draw(done, ring, arguments.dir)], arguments.json)
+
+
+def report(arguments: Namespace) -> int:
+    """Write the page of a run."""
+    from beadband.reporting import page
+
+    return _written([str(page.write(arguments.dir, arguments.out))], arguments.json)
+
+
+def movie(arguments: Namespace) -> int:
+    """Film a run."""
+    from beadband.reporting import movie
+
+    follow = _Progress("frame") if sys.stderr.isatty() else None
+    path = movie.write(arguments.dir, arguments.out, arguments.fps, arguments.colour, follow)
+    return _written([str(path)], arguments.json)
 
 
 def verify(arguments: Namespace) -> int:
@@ -94,6 +108,11 @@ def reproduce(arguments: Namespace) -> int:
 
 def _name(scene: Scene) -> str:
     return f"{scene.until}-{scene.band.name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
+
+
+def _written(paths: list[str], as_json: bool) -> int:
+    print(json.dumps(paths, indent=1) if as_json else "\n".join(paths))
+    return 0
 
 
 def _report(done: Run, as_json: bool) -> int:

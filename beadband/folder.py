@@ -85,6 +85,21 @@ def require(folder: str | os.PathLike[str], *names: str) -> Path:
     return path
 
 
+def outfile(out: str | os.PathLike[str]) -> Path:
+    """The path of a file to be written; UsageError when its folder is missing or something else stands there."""
+    path = Path(out)
+    if not path.parent.is_dir() or path.is_dir():
+        raise UsageError(
+            explain(
+                "the output file can't be used",
+                repr(str(out)),
+                "a file in a folder that is there",
+                "choose another with --out",
+            )
+        )
+    return path
+
+
 @contextmanager
 def scratch() -> Iterator[Path]:
     """A folder for the time of a run."""

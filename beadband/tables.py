@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from beadband.band import CATALOGUE
@@ -119,15 +120,15 @@ def plan(plan: Plan) -> str:
     return "\n".join(lines)
 
 
-def run(done: Run) -> str:
-    """A finished run in a dozen lines."""
-    values, scene = as_dict(done), done.plan.scene
+def result_rows(values: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What results.json says, as names and texts with errors."""
+    scene = values["scene"]
     speed, error = values["rebound_speed_m_s"], values["rebound_speed_error_m_s"]
     string = values["string_speed_m_s"]
     names = {"bar": "C = sqrt(E/rho)", "rest": "C = sqrt(E0/rho)", "front_horizontal": "C of the front"}
     energy = values["energy"]
-    rows = [
-        ("rebound speed V", f"{_with_error(speed, error)} m/s"),
+    return [
+        ("rebound speed V", f"{with_error(speed, error)} m/s"),
         (
             "string limit (EI -> 0)",
             f"{string:.4g} m/s; V is {abs(speed / string - 1.0):.2%} {'above' if speed > string else 'below'}",
@@ -149,13 +150,19 @@ def run(done: Run) -> str:
             )
             + f"; balanced to {energy['balance_error']:.1g}",
         ),
-        ("beads, steps", f"{done.plan.beads}, {done.plan.steps} of {done.plan.timestep_s:.3g} s"),
+        ("beads, steps", f"{scene['beads']}, {scene['steps']} of {scene['timestep_s']:.3g} s"),
         (
             "time spent",
-            ", ".join(f"{part} {seconds:.2f}" for part, seconds in done.wall_s.items())
-            + f" s; {sum(done.wall_s.values()):.2f} s in all",
+            ", ".join(f"{part} {seconds:.2f}" for part, seconds in values["wall_s"].items())
+            + f" s; {sum(values['wall_s'].values()):.2f} s in all",
         ),
     ]
+
+
+def run(done: Run) -> str:
+    """A finished run in a dozen lines."""
+    values, scene = as_dict(done), done.plan.scene
+    rows = result_rows(values)
     width = max(len(name) for name, _ in rows)
     head = (
         f"Band {scene.band.name}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g} deg, {scene.law}: "
@@ -165,18 +172,18 @@ def run(done: Run) -> str:
     return "\n".join([head, *(f"  {name.ljust(width)}  {text}" for name, text in rows), *notes]) + "\n"
 
 
-def _with_error(value: float, error: float) -> str:
+def with_error(value: float, error: float) -> str:
     """A value to the second digit of its error."""
     digits = max(0, 1 - math.floor(math.log10(error))) if error > 0.0 else 6
     return f"{value:.{digits}f} +/- {error:.{digits}f}"
 
 
-def _curvature_text(values: dict[str, Any]) -> str:
+def _curvature_text(values: Mapping[str, Any]) -> str:
     curvature = values["curvature"]
     if curvature is None:
         return f"no figure: {values['reason']}"
     start, end = curvature["window_s"]
     return (
-        f"falls as t^({_with_error(curvature['exponent'], curvature['exponent_error'])}) from {start * 1e3:.3g} to "
-        f"{end * 1e3:.3g} ms, {_with_error(curvature['eq7_ratio'], curvature['eq7_ratio_error'])} of Eq. 7"
+        f"falls as t^({with_error(curvature['exponent'], curvature['exponent_error'])}) from {start * 1e3:.3g} to "
+        f"{end * 1e3:.3g} ms, {with_error(curvature['eq7_ratio'], curvature['eq7_ratio_error'])} of Eq. 7"
     )

@@ -1,0 +1,126 @@
+"""What the pages in docs/ say is what the program does: their code is run, their tables are compared."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from beadband import folder as files
+from beadband import scene as scenes
+from beadband.analysis.trajectory import read_energies
+from beadband.band import CATALOGUE, Band
+from beadband.law import LAWS, Law, MooneyRivlin
+from beadband.results import Run
+from conftest import REQUIRE_ALL, rear_of
+
+DOCS = Path(__file__).parent.parent / "docs"
+
+
+def python_of(name: str) -> str:
+    """The Python of a page."""
+    return "\n".join(re.findall(r"```python\n(.*?)```", (DOCS / name).read_text(encoding="utf-8"), re.DOTALL))
+
+
+@pytest.fixture
+def neo_hookean(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The class on the page for LAMMPS users, entered into the registry."""
+    names = {"dataclass": dataclass, "Law": Law, "Band": Band, "Any": Any, "__name__": __name__}
+    exec("from __future__ import annotations\n" + python_of("lammps.md"), names)  # the page's own code
+    found: Any = names["NeoHookean"]
+    monkeypatch.setitem(LAWS, found.name, found.of)
+    monkeypatch.setitem(scenes.CHOICES, "law", tuple(LAWS))
+    return found
+
+
+def test_the_new_law_is_one(neo_hookean: Any) -> None:
+    law = neo_hookean.of(CATALOGUE["III"])
+    twin = MooneyRivlin(law.modulus_pa / 6.0, 0.0)
+    stretch = np.linspace(0.5, 2.5, 21) + 1e-30j
+    assert np.allclose(law.energy(stretch).imag / 1e-30, law.stress(stretch).real, rtol=1e-12, atol=1e-6)
+    assert np.allclose(law.stress(stretch).imag / 1e-30, law.tangent(stretch).real, rtol=1e-12)
+    assert np.allclose(law.energy(stretch.real), twin.energy(stretch.real), rtol=1e-13, atol=1e-9)
+    assert law.rest_modulus_pa == pytest.approx(CATALOGUE["III"].modulus_pa, rel=1e-15)
+
+
+def test_the_new_law_is_released(neo_hookean: Any) -> None:
+    modulus = CATALOGUE["III"].modulus_pa
+    plan, found = rear_of(law=neo_hookean.name, bending_scale=1e-4, beads=300)
+    assert found.speed_m_s.value == pytest.approx(plan.string.rear_speed_m_s, rel=3e-3)
+    _, twin = rear_of(law="mooney-rivlin", c10_pa=modulus / 6.0, c01_pa=0.0, bending_scale=1e-4, beads=300)
+    assert found.speed_m_s.value == pytest.approx(twin.speed_m_s.value, rel=1e-9)
+
+
+def test_the_table_of_variables_is_whole(default_run: tuple[Run, Path]) -> None:
+    script = (default_run[1] / files.SCRIPT).read_text(encoding="utf-8")
+    given = set(re.findall(r"^variable +(\w+) index", script, re.MULTILINE))
+    page = (DOCS / "lammps.md").read_text(encoding="utf-8")
+    rows = re.search(r"\| variable \|.*?\n(?=\n)", page, re.DOTALL)
+    assert rows
+    listed = {name for row in rows[0].splitlines()[2:] for name in re.findall(r"`(\w+)`", row.split("|")[1])}
+    assert listed == given
+
+
+def test_a_run_without_python_and_without_loss(default_run: tuple[Run, Path], lmp: str, tmp_path: Path) -> None:
+    """The three files that the page names are enough, and a variable on the command line wins."""
+    run, folder = default_run
+    for name in (files.DATA, files.TABLE, files.SCRIPT):
+        shutil.copy(folder / name, tmp_path)
+    command = [lmp, "-log", "none", "-screen", "none", "-var", "dashpot", "0", "-in", files.SCRIPT]
+    subprocess.run(command, cwd=tmp_path, check=True, env={**os.environ, "OMP_NUM_THREADS": "1"})
+    energies = read_energies(tmp_path / files.ENERGY)
+    total = energies.stretching_j + energies.bending_j + energies.kinetic_j
+    assert np.all(energies.loss_w == 0.0)
+    assert np.abs(total / total[0] - 1.0).max() < 5e-3
+    assert run.balance.dissipated_j[-1] > 0.05 * run.balance.stored_j  # as the plan had it
+
+
+def test_the_tutorial(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, str(DOCS / "tutorial.py")], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    lines = done.stdout.splitlines()
+    assert len(lines) == 3
+    speed, error, string = (float(number) for number in re.findall(r"\d+\.\d+", lines[1])[:3])
+    again = float(re.findall(r"\d+\.\d+", lines[2])[0])
+    assert 0.0 < error < 0.005 * speed
+    assert speed == pytest.approx(string, rel=0.02)
+    assert again == pytest.approx(speed, rel=1e-3)
+    assert (tmp_path / "speed.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "tutorial-run" / files.RESULTS).is_file()
+
+
+@pytest.mark.ovito
+def test_ovito_draws_the_band_at_its_size(default_run: tuple[Run, Path], tmp_path: Path) -> None:
+    """The radius column, at SI scale: legs in the picture are as thick as the band."""
+    from PIL import Image
+
+    if not REQUIRE_ALL:
+        pytest.importorskip("ovito")
+    run, folder = default_run
+    done = subprocess.run(
+        [sys.executable, str(DOCS / "ovito_render.py"), str(folder), str(tmp_path / "x.png"), "0"],
+        capture_output=True,
+        text=True,
+    )
+    if done.returncode and "Vulkan" in done.stderr and not REQUIRE_ALL:
+        pytest.skip("needs Vulkan: libvulkan1 and mesa-vulkan-drivers")
+    assert done.returncode == 0, done.stderr
+    pixels = np.asarray(Image.open(tmp_path / "x.png").convert("RGB")).astype(int)
+    drawn = pixels.min(axis=2)[:425] < 160  # above the legend, darker than half covered
+    columns = np.flatnonzero(drawn.any(axis=0))
+    thickness = run.plan.scene.band.thickness_m
+    pixel = (float(np.ptp(run.ring.positions_m[:, 0])) + thickness) / (columns[-1] - columns[0] + 1)
+    middle = drawn[:, (columns[0] + columns[-1]) // 2]
+    legs = np.flatnonzero(np.diff(middle.astype(int)))
+    across = (legs[1] - legs[0]) * pixel * np.cos(run.plan.scene.half_angle_rad)
+    assert len(legs) == 4
+    assert across == pytest.approx(thickness, abs=1.5 * pixel)
