@@ -22,6 +22,7 @@ _PUBLIC = {
     "Run": "results",
     "run": "release",
     "analyze": "release",
+    "sweep": "sweeping",
 }
 __all__ = ["__version__", *_PUBLIC]
 

@@ -14,7 +14,7 @@ from typing import NoReturn
 from beadband import __version__
 from beadband.errors import BeadbandError
 
-RESERVED = ("pareto", "stability", "sweep")
+RESERVED = ("pareto", "stability")
 """Commands whose names are kept for later versions."""
 
 
@@ -22,13 +22,14 @@ class _Parser(argparse.ArgumentParser):
     """A parser that complains in one line, and takes the options of a scene only when its command was chosen."""
 
     takes_scene = False
+    takes_grid = False
 
     def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
-        if self.takes_scene:
-            from beadband.options import add_scene_options
+        if self.takes_scene or self.takes_grid:
+            from beadband.options import add_grid_options, add_scene_options
 
-            self.takes_scene = False
-            add_scene_options(self)
+            (add_scene_options if self.takes_scene else add_grid_options)(self)
+            self.takes_scene = self.takes_grid = False
         return super().parse_known_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
@@ -73,6 +74,16 @@ def build_parser() -> argparse.ArgumentParser:
     reproduce.add_argument("--out", metavar="DIR", help="new or empty folder (default: reproduction)")
     reproduce.add_argument("--only", metavar="ITEM", help="one figure or table, as in fig18, table1 or appendix")
     reproduce.add_argument("--quick", action="store_true", help="coarser grids of scenes")
+    sweep = command("sweep", "a grid of scenes, or random ones, in one table")
+    sweep.takes_grid = True
+    sweep.add_argument(
+        "--out", metavar="DIR", help="folder of the table; a killed sweep goes on there (default: sweep)"
+    )
+    sweep.add_argument("--jobs", metavar="N", type=int, help="processes (default: one on each core)")
+    sweep.add_argument(
+        "--random", metavar="N", type=int, help="draw so many scenes from the ranges instead of the grid"
+    )
+    sweep.add_argument("--seed", metavar="S", type=int, default=0, help="of the draws (0)")
     for name in RESERVED:
         later = commands.add_parser(name, description="Not part of this version.", add_help=False)
         later.set_defaults(handler="reserved", name=name)

@@ -6,9 +6,11 @@ import json
 import sys
 import time
 from argparse import Namespace
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from beadband.options import scene_values
+from beadband.options import grid_values, scene_values
 from beadband.scene import Scene, scene_of
 
 if TYPE_CHECKING:
@@ -104,6 +106,41 @@ def reproduce(arguments: Namespace) -> int:
     print(json.dumps(card, indent=1) if arguments.json else (out / "scorecard.md").read_text(encoding="utf-8"))
     print(f"files in {out}; {card['scenes']} scenes in {card['wall_s']:.0f} s", file=sys.stderr)
     return 0
+
+
+def sweep(arguments: Namespace) -> int:
+    """Release a grid of scenes."""
+    from beadband import sweeping, tables
+    from beadband.parallel import world
+    from beadband.sweeping.grid import grid_of
+
+    grid = grid_of(grid_values(arguments), arguments.random, arguments.seed)
+    out = arguments.out if arguments.out is not None else "sweep"
+    with _bar("scene") as follow:
+        done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)
+    if world().rank == 0:
+        print(json.dumps(done.summary, indent=1) if arguments.json else tables.sweep(done.summary))
+        print(f"table, summary and pictures in {out}", file=sys.stderr)
+    return 0
+
+
+@contextmanager
+def _bar(unit: str) -> Iterator[Callable[[int, int], None] | None]:
+    """A bar with rate and time left, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from tqdm import tqdm
+
+    with tqdm(unit=f" {unit}s", smoothing=0.1) as bar:
+
+        def follow(done: int, total: int) -> None:
+            if bar.total is None:
+                bar.initial = done
+            bar.total = total
+            bar.update(done - bar.n)
+
+        yield follow
 
 
 def _name(scene: Scene) -> str:

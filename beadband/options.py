@@ -50,6 +50,29 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         group.add_argument(flag, dest=key, type=kind, metavar=placeholder, default=argparse.SUPPRESS, help=text)
 
 
+def add_grid_options(parser: argparse.ArgumentParser) -> None:
+    """Give a command the options of a scene, each a value, a list A,B,C or a range FIRST:LAST:COUNT."""
+    group = parser.add_argument_group("grid", "each a value, a list A,B,C, or a range FIRST:LAST:COUNT with both ends")
+    group.add_argument("--grid", metavar="FILE.toml", help="read the grid from a file; flags win over it")
+    group.add_argument("--band", metavar="VALUES", default=argparse.SUPPRESS, help=f"{', '.join(CATALOGUE)} (III)")
+    for key, choices in CHOICES.items():
+        if key != "until":
+            flag, text = "--" + key.replace("_", "-"), ", ".join(choices)
+            group.add_argument(flag, dest=key, metavar="VALUES", default=argparse.SUPPRESS, help=text)
+    for key, flag, _, _, text in _FLAGS:
+        if key != "frames":
+            group.add_argument(flag, dest=key, metavar="VALUES", default=argparse.SUPPRESS, help=text)
+
+
+def grid_values(arguments: argparse.Namespace) -> dict[str, object]:
+    """Values of the grid from its file, if there is one, and the flags over them."""
+    from beadband.sweeping.grid import SWEPT, read_grid
+
+    values = read_grid(arguments.grid) if arguments.grid is not None else {}
+    values.update({key: value for key, value in vars(arguments).items() if key in SWEPT})
+    return values
+
+
 def scene_values(arguments: argparse.Namespace) -> dict[str, object]:
     """Values of the scene from its file, if there is one, and the flags over them."""
     from beadband.scenefile import read_scene

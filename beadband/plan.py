@@ -199,8 +199,8 @@ def _choose_beads(scene: Scene, string: StringLimit, reasons: list[str], warning
             beads = _round_up(for_curvature)
             reasons.append(
                 f"{beads} beads: the held tip bends over a layer of {layer * 1e3:.3g} mm, and the tip curvature needs "
-                f"beads closer than {spacing / layer:.2g} of it ({spacing * 1e3:.3g} mm); the rebound speed alone would "
-                f"do with {_round_up(wanted)}"
+                f"beads closer than {spacing / layer:.2g} of it ({spacing * 1e3:.3g} mm); the speed alone would do "
+                f"with {_round_up(wanted)}"
             )
             return beads
         if for_curvature > MOST_PLANNED_BEADS:

@@ -159,6 +159,31 @@ def result_rows(values: Mapping[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
+def sweep(summary: dict[str, Any]) -> str:
+    """A finished sweep in a few lines."""
+    status, run = summary["status"], summary["run"]
+    lines = [
+        f"{summary['scenes']} scenes: " + ", ".join(f"{count} {name}" for name, count in sorted(status.items())),
+    ]
+    if run["released"]:
+        lines.append(
+            f"  {run['released']} released in {run['wall_s']:.1f} s, {run['scenes_per_s']:.0f} a second with "
+            f"{run['jobs']} jobs; {run['lammps_share'] or 0.0:.0%} of the work inside LAMMPS"
+        )
+    if summary["relative_error"]:
+        error = summary["relative_error"]
+        lines.append(f"  error of V: {error['median']:.2%} in the middle, {error['largest']:.2%} at most")
+    names = {"bar": "C = sqrt(E/rho)", "rest": "C = sqrt(E0/rho)", "front_horizontal": "C of the front"}
+    for law, factors in summary["alpha"].items():
+        for wave, found in factors.items():
+            low, high = found["slope_interval_95"]
+            lines.append(
+                f"  {law}, {names[wave]}: alpha {found['mean']:.3f}, from scene to scene +/- "
+                f"{found['standard_deviation']:.3f}; slope {found['slope']:.3f} ({low:.3f} to {high:.3f})"
+            )
+    return "\n".join(lines)
+
+
 def run(done: Run) -> str:
     """A finished run in a dozen lines."""
     values, scene = as_dict(done), done.plan.scene
