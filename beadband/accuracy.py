@@ -47,7 +47,7 @@ def speed_error(beads_in_rear: float) -> float:
     The first part is the numerical loss, of the first order in the spacing; the second is what single beads make of the
     kink, until they are too few to be called a curve.
     """
-    return min(0.12, 0.105 / beads_in_rear + 0.010 * math.pow(22.0 / beads_in_rear, 4.2))
+    return min(0.12, 0.12 / beads_in_rear + 0.010 * math.pow(22.0 / beads_in_rear, 4.2))
 
 
 def beads_in_rear_for(tolerance: float) -> float:

@@ -115,6 +115,14 @@ def _handler(name: str) -> Callable[[argparse.Namespace], int]:
 
 def guarded(action: Callable[[], int], name: str) -> int:
     """Call ``action`` and turn every way in which it can fail into one line on stderr and an exit code."""
+    code = _guarded(action, name)
+    parallel = sys.modules.get("beadband.parallel")
+    if parallel and code:
+        parallel.stop_others(code)
+    return code
+
+
+def _guarded(action: Callable[[], int], name: str) -> int:
     try:
         code = action()
         sys.stdout.flush()

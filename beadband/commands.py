@@ -39,8 +39,12 @@ def plan(arguments: Namespace) -> int:
 def run(arguments: Namespace) -> int:
     """Release a scene."""
     from beadband import folder, release
+    from beadband.parallel import world
 
     scene = scene_of(scene_values(arguments))
+    if world().rank > 0:
+        release.help_along()
+        return 0
     out = arguments.out if arguments.out is not None else folder.next_free(_name(scene))
     done = release.run(scene, out, _Progress("releasing: step") if sys.stderr.isatty() else None)
     code = _report(done, arguments.json)

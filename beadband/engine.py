@@ -62,9 +62,10 @@ def program(name: str) -> str | None:
     return shutil.which(name, path=os.pathsep.join([here, os.environ.get("PATH", "")]))
 
 
-def run_script(folder: Path, name: str, follow: Follow | None = None) -> str:
+def run_script(folder: Path, name: str, follow: Follow | None = None, comm: Any = None) -> str:
     """Run the script ``name`` in ``folder`` and return LAMMPS' version; RunError with its complaint if it fails.
 
+    With the communicator ``comm`` its ranks share the work, and all of them must call; this one works alone without.
     The working directory is changed for the time of the run, so that no path ever reaches LAMMPS' parser. LAMMPS
     runs on a thread of its own: the caller's can report progress and answer Ctrl-C.
     """
@@ -72,7 +73,7 @@ def run_script(folder: Path, name: str, follow: Follow | None = None) -> str:
     before = Path.cwd()
     os.chdir(folder)
     try:
-        instance = _open(package, ["-screen", "none", "-log", "log.lammps", "-nocite"])
+        instance = _open(package, ["-screen", "none", "-log", "log.lammps", "-nocite"], comm or alone())
         try:
             _watch(instance, name, follow)
             return str(instance.version())

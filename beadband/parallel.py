@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -11,6 +12,10 @@ from beadband.errors import RunError, explain
 
 _SIZES = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE", "PMIX_SIZE", "MPI_LOCALNRANKS")
 """Where launchers tell their processes how many they are."""
+
+
+CHECK_FAILED = 3
+"""Exit code of a run that is whole, though a physics check failed."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,13 @@ def world() -> World:
         ) from error
     comm = MPI.COMM_WORLD
     return World(comm.Get_rank(), comm.Get_size(), comm if comm.Get_size() > 1 else None)
+
+
+def stop_others(code: int) -> None:
+    """End all ranks with this exit code when one has failed: the others would wait for it for ever."""
+    if world().comm is not None and code != CHECK_FAILED:
+        sys.stderr.flush()
+        world().comm.Abort(code)
 
 
 def alone() -> Any:

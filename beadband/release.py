@@ -14,6 +14,7 @@ from beadband.analysis.trajectory import Trajectory, read, read_energies, read_m
 from beadband.engine import run_script
 from beadband.follow import estimate_of, hold, reading_own_files
 from beadband.inputs import write_ring
+from beadband.parallel import world
 from beadband.plan import Plan, plan_of
 from beadband.results import Run, as_dict, stored_estimate, to_json
 from beadband.scene import Scene, scene_of
@@ -55,7 +56,10 @@ def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = N
         write_ring(folder, plan, ring)
     with clock.part("integrate"):
         follow = (lambda done: progress(done, plan.steps)) if progress else None
-        version = run_script(folder, files.SCRIPT, follow)
+        here = world()
+        if here.comm is not None:
+            here.comm.bcast(str(folder.resolve()), root=0)
+        version = run_script(folder, files.SCRIPT, follow, here.comm)
     with clock.part("estimate"):
         estimate = estimate_of(plan)
     with clock.part("measure"), reading_own_files():
@@ -66,6 +70,12 @@ def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = N
         text = to_json(as_dict(done))
     files.write_text(folder / files.RESULTS, text, durable=True)
     return done
+
+
+def help_along() -> None:
+    """Share the work of a run that rank 0 has begun: the part of every other rank under mpirun."""
+    here = world()
+    run_script(Path(here.comm.bcast(None, root=0)), files.SCRIPT, None, here.comm)
 
 
 def stored_plan(folder: str | os.PathLike[str]) -> Plan:
