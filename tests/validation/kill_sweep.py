@@ -44,6 +44,18 @@ def workers_of(pid: int) -> list[int]:
     return found
 
 
+def rows_in(folder: Path) -> int:
+    """Whole rows of the table."""
+    table = folder / "sweep.csv"
+    return max(table.read_bytes().count(b"\n") - 1, 0) if table.exists() else 0
+
+
+def wait_for_rows(process: subprocess.Popen[bytes], folder: Path, rows: int) -> None:
+    """Until the table has so many rows, or the sweep has ended."""
+    while process.poll() is None and rows_in(folder) < rows:
+        time.sleep(0.002)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kills", type=int, default=10)
@@ -53,9 +65,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as place:
         whole = Path(place) / "whole"
         sweep = [sys.executable, "-m", "beadband", "sweep", *FLAGS, "--out"]
-        start = time.perf_counter()
         subprocess.run([*sweep, str(whole)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        took = time.perf_counter() - start
         expected = (whole / "sweep.csv").read_bytes()
         bad = 0
         for number in range(arguments.kills):
@@ -63,7 +73,7 @@ def main() -> None:
             process = subprocess.Popen(
                 [*sweep, str(folder)], start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
             )
-            time.sleep(draws.uniform(0.3, 0.8) * took)
+            wait_for_rows(process, folder, draws.randint(1, 130))
             workers = workers_of(process.pid)
             if number % 2 and workers:
                 what = "a worker"
@@ -73,8 +83,9 @@ def main() -> None:
                 what = "the sweep"
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
-            rows = (folder / "sweep.csv").read_bytes().count(b"\n") - 1 if (folder / "sweep.csv").exists() else 0
-            read_as_finished = what == "the sweep" and (folder / "sweep.json").exists()
+            rows = rows_in(folder)
+            whole_rows = rows == expected.count(b"\n") - 1
+            read_as_finished = not whole_rows and process.returncode != 0 and (folder / "sweep.json").exists()
             subprocess.run([*sweep, str(folder)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             same = (folder / "sweep.csv").read_bytes() == expected
             bad += not same or read_as_finished

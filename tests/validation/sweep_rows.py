@@ -52,10 +52,9 @@ def main() -> None:
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         error, bar, tolerance = np.array(list(pool.map(judge, chosen))).T
     print(f"{len(chosen)} rows of {len(done)}, seed {arguments.seed}")
-    print(f"true error of V: {np.median(error):.2%} in the middle, {error.max():.2%} at most")
-    print(
-        f"within the tolerance: {np.mean(error <= tolerance):.0%}; within the row's own error: {np.mean(error <= bar):.0%}"
-    )
+    print(f"true error of V: median {np.median(error):.2%}, largest {error.max():.2%}")
+    within, covered = np.mean(error <= tolerance), np.mean(error <= bar)
+    print(f"within the tolerance: {within:.0%}; within the row's own error: {covered:.0%}")
 
 
 if __name__ == "__main__":
