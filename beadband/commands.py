@@ -6,12 +6,14 @@ import json
 import sys
 import time
 from argparse import Namespace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from beadband.options import scene_values
 from beadband.scene import Scene, scene_of
 
 if TYPE_CHECKING:
+    from beadband.launch_results import Launch
     from beadband.results import Run
 
 
@@ -27,20 +29,23 @@ def bands(arguments: Namespace) -> int:
 def plan(arguments: Namespace) -> int:
     """Say what a scene needs."""
     from beadband import tables
+    from beadband.launch_plan import launch_plan_of
     from beadband.plan import plan_of
 
-    chosen = plan_of(scene_of(scene_values(arguments)))
+    scene = scene_of(scene_values(arguments))
+    chosen = launch_plan_of(scene).twin if scene.until == "launch" else plan_of(scene)
     print(json.dumps(tables.plan_values(chosen), indent=1) if arguments.json else tables.plan(chosen))
     return 0
 
 
 def run(arguments: Namespace) -> int:
     """Release a scene."""
-    from beadband import folder, release
+    from beadband import folder, launch, release
 
     scene = scene_of(scene_values(arguments))
     out = arguments.out if arguments.out is not None else folder.next_free(_name(scene))
-    done = release.run(scene, out, _Progress("releasing: step") if sys.stderr.isatty() else None)
+    follow = _Progress("releasing: step") if sys.stderr.isatty() else None
+    done = (launch if scene.until == "launch" else release).run(scene, out, follow)
     code = _report(done, arguments.json)
     print(f"files in {out}", file=sys.stderr)
     return code
@@ -48,20 +53,18 @@ def run(arguments: Namespace) -> int:
 
 def analyze(arguments: Namespace) -> int:
     """Measure a run again."""
-    from beadband import release
-
-    done = release.analyze(arguments.dir)
+    done = _driver(arguments.dir).analyze(arguments.dir)
     return _report(done, arguments.json)
 
 
 def plot(arguments: Namespace) -> int:
     """Draw the pictures of a run into its folder."""
     from beadband import release
-    from beadband.analysis import pictures
+    from beadband.analysis import launch_pictures, pictures
 
-    done = release.remeasure(arguments.dir)
-    ring = release.frames(arguments.dir)
-    written = [str(path) for path in pictures.draw(done, ring, arguments.dir)]
+    driver = _driver(arguments.dir)
+    draw = pictures.draw if driver is release else launch_pictures.draw
+    written = [str(path) for path in draw(driver.remeasure(arguments.dir), driver.frames(arguments.dir), arguments.dir)]
     print(json.dumps(written, indent=1) if arguments.json else "\n".join(written))
     return 0
 
@@ -96,12 +99,24 @@ def _name(scene: Scene) -> str:
     return f"{scene.until}-{scene.band.name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
 
 
-def _report(done: Run, as_json: bool) -> int:
-    """Print a finished run and what it does not keep of physics; return the exit code."""
-    from beadband import results, tables
+def _driver(folder: str) -> Any:
+    """The module that knows the runs of a folder: launch where launch.in stands in it, else release."""
+    from beadband import launch, release
+    from beadband.folder import LAUNCH_SCRIPT
 
-    print(results.to_json(results.as_dict(done)) if as_json else tables.run(done), end="")
-    failures = results.failed_checks(done)
+    return launch if (Path(folder) / LAUNCH_SCRIPT).is_file() else release
+
+
+def _report(done: Run | Launch, as_json: bool) -> int:
+    """Print a finished run and what it does not keep of physics; return the exit code."""
+    from beadband import launch_results, results, tables
+
+    if isinstance(done, results.Run):
+        values, failures = results.as_dict(done), results.failed_checks(done)
+        print(results.to_json(values) if as_json else tables.run(done), end="")
+    else:
+        values, failures = launch_results.as_dict(done), launch_results.failed_checks(done)
+        print(results.to_json(values) if as_json else launch_results.text(done), end="")
     for sentence in failures:
         print(f"physics check failed: {sentence}", file=sys.stderr)
     return 3 if failures else 0
