@@ -9,14 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beadband.analysis.measurement import Balance
-from beadband.analysis.tip import Array
+from beadband.analysis.tip import Array, Measured
 from beadband.errors import UsageError, explain
 
 LOADED = 0.01
 """Share of the held load below which the finger counts as free."""
 TOUCHED = 1e-3
 """Share of the held load above which a free finger counts as touched."""
+_TO_COME = (0.003, 0.06)
+"""Shares of the impulse still to come between which its root is fitted."""
 _TABLE_COLUMNS = 13
+_GROUP = 16
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,8 @@ class Touch:
 class LaunchMeasurement:
     """What a launch found; None where it did not come to it."""
 
-    finger_free_s: float | None
+    free: Measured | None
+    """When the finger became free, with the error of that time."""
     rear_arrival_s: float | None
     touches: tuple[Touch, ...]
     impulse_n_s: float
@@ -89,6 +93,10 @@ class LaunchMeasurement:
     translation_j: float
     vibration_j: float
     """Kinetic energy beyond that of the centre of mass."""
+
+    @property
+    def finger_free_s(self) -> float | None:
+        return None if self.free is None else self.free.value
 
     @property
     def pause_s(self) -> float | None:
@@ -135,41 +143,53 @@ def impulse_n_s(watch: Watch, timestep_s: float) -> float:
     return timestep_s * (total - 0.5 * (float(watch.force_n[-1]) - float(watch.force_n[0])))
 
 
-def finger_free_s(times_s: Array, mean_force_n: Array, held_n: float, idle_s: float) -> float | None:
-    """When the load of the finger has fallen to :data:`LOADED` of the held one, for ``idle_s`` at least.
+def finger_free(times_s: Array, mean_force_n: Array, held_n: float, idle_s: float) -> Measured | None:
+    """When the load of the finger has fallen to nothing, for ``idle_s`` at least; None when it does not come to that.
 
-    ``mean_force_n`` (lines,) are means over the intervals that end at ``times_s``; between their middles the load is
-    taken as straight. None when it does not come to that.
+    ``mean_force_n`` (lines,) are means over the intervals that end at ``times_s``. Bending waves make the band rattle
+    on the finger, and the moment of its very last touch is chance. The impulse still to come is not: under a load
+    that falls to nothing along a straight line it is a parabola, and its root is fitted and extrapolated. The error
+    is the distance to the last interval with a load.
     """
-    middles = times_s.copy()
-    middles[1:] = 0.5 * (times_s[1:] + times_s[:-1])
     load = np.abs(mean_force_n) / held_n
     load[0] = 1.0
     loaded = np.flatnonzero(load > LOADED)
-    ends = [*loaded[1:], len(load)]
-    for last, following in zip(loaded, ends, strict=True):
-        idle_until = times_s[following - 1]
-        if last + 1 < len(load) and idle_until - times_s[last] >= idle_s:
-            share = (load[last] - LOADED) / (load[last] - load[last + 1])
-            return float(middles[last] + share * (middles[last + 1] - middles[last]))
+    for last, following in zip(loaded, [*loaded[1:], len(load)], strict=True):
+        if times_s[following - 1] - times_s[last] < idle_s:
+            continue
+        given = np.cumsum(mean_force_n * np.diff(times_s, prepend=0.0))[: last + 1]
+        to_come = 1.0 - given / given[-1]
+        inside = np.flatnonzero(to_come > _TO_COME[1])
+        first, end = int(inside[-1]) + 1, int(np.flatnonzero(to_come > _TO_COME[0])[-1]) + 1
+        end_s = float(times_s[last])
+        if end - first < 4:
+            return Measured(end_s, float(times_s[last] - times_s[last - 1]))
+        root = np.sqrt(np.maximum(to_come[first:end], 0.0))
+        slope, offset = np.polyfit(times_s[first:end] - end_s, root, 1)
+        value = end_s - float(offset / slope)
+        return Measured(value, abs(end_s - value))
     return None
 
 
-def touches_of(times_s: Array, mean_force_n: Array, held_n: float, free_s: float) -> tuple[Touch, ...]:
-    """Loads on a finger that has become free, one for each unbroken run of touched intervals."""
+def touches_of(
+    times_s: Array, mean_force_n: Array, held_n: float, free_s: float, idle_s: float
+) -> tuple[Touch, ...]:
+    """Loads on a finger that has become free at ``free_s``; those less than ``idle_s`` apart are one touch."""
     touched = (np.abs(mean_force_n) > TOUCHED * held_n) & (np.concatenate([[0.0], times_s[:-1]]) >= free_s)
     # What trails behind the crossing of the threshold at the freeing itself is no touch.
     after = np.flatnonzero((times_s > free_s) & ~touched)
     touched[: after[0] if len(after) else len(touched)] = False
     edges = np.flatnonzero(np.diff(np.concatenate([[0], touched.astype(int), [0]])))
-    found = []
+    found: list[Touch] = []
     for start, end in zip(edges[::2], edges[1::2], strict=True):
         spans = np.diff(times_s[start - 1 : end])
-        found.append(
-            Touch(
-                float(times_s[start - 1]), float(times_s[end - 1]), float(np.sum(spans * mean_force_n[start:end]))
-            )
+        touch = Touch(
+            float(times_s[start - 1]), float(times_s[end - 1]), float(np.sum(spans * mean_force_n[start:end]))
         )
+        if found and touch.start_s - found[-1].end_s < idle_s:
+            touch = Touch(found[-1].start_s, touch.end_s, found[-1].impulse_n_s + touch.impulse_n_s)
+            found.pop()
+        found.append(touch)
     return tuple(found)
 
 
@@ -198,14 +218,14 @@ def measure_launch(
     plan's: when the rear counts as about to arrive, and how long an idle finger counts as free.
     """
     times, held = watch.times_s(timestep_s), float(watch.force_n[0])
-    free = finger_free_s(times, watch.mean_force_n, held, idle_s)
+    free = finger_free(times, watch.mean_force_n, held, idle_s)
     momentum = float(watch.momentum_n_s[-1])
     translation = momentum**2 / (2.0 * mass_kg)
     stored = float(watch.stretching_j[0] + watch.bending_j[0])
     return LaunchMeasurement(
-        finger_free_s=free,
+        free=free,
         rear_arrival_s=rear_arrival_s(times, watch.gap_m, margin_m),
-        touches=() if free is None else touches_of(times, watch.mean_force_n, held, free),
+        touches=() if free is None else touches_of(times, watch.mean_force_n, held, sum(free), idle_s),
         impulse_n_s=impulse_n_s(watch, timestep_s),
         momentum_n_s=momentum,
         centre_of_mass_speed_m_s=momentum / mass_kg,
@@ -226,23 +246,24 @@ def crossings(positions_m: Array) -> int:
     bond = np.roll(positions_m, -1, axis=0) - start
     count = len(start)
     low, high = np.minimum(start, start + bond), np.maximum(start, start + bond)
-    found = 0
-    block = max(1, 2_000_000 // count)
-    for first in range(0, count, block):
-        rows = slice(first, min(first + block, count))
-        # Boxes around the bonds that overlap; then which side of each other's line the ends lie on.
-        near = np.all((low[rows, None] <= high[None]) & (low[None] <= high[rows, None]), axis=2)
-        i, j = np.nonzero(near)
-        i += first
-        apart = (j - i) % count
-        chosen = (i < j) & (apart > 1) & (apart < count - 1)
-        i, j = i[chosen], j[chosen]
-        between = start[j] - start[i]
-        across = _cross(bond[i], bond[j])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            s, u = _cross(between, bond[j]) / across, _cross(between, bond[i]) / across
-        found += int(np.count_nonzero((s >= 0.0) & (s <= 1.0) & (u >= 0.0) & (u <= 1.0)))
-    return found
+    # Boxes around groups of bonds first: few groups overlap but with themselves and their neighbours.
+    groups = np.minimum(np.arange(-(-count // _GROUP) * _GROUP), count - 1).reshape(-1, _GROUP)
+    group_low, group_high = low[groups].min(axis=1), high[groups].max(axis=1)
+    near = np.all((group_low[:, None] <= group_high[None]) & (group_low[None] <= group_high[:, None]), axis=2)
+    first, second = np.nonzero(np.triu(near))
+    numbers = np.arange(groups.size).reshape(groups.shape)
+    i = np.repeat(numbers[first], _GROUP, axis=1).ravel()
+    j = np.tile(numbers[second], (1, _GROUP)).ravel()
+    chosen = (i < j) & (j < count)
+    i, j = i[chosen], j[chosen]
+    apart = (j - i) % count
+    chosen = (apart > 1) & (apart < count - 1) & np.all((low[i] <= high[j]) & (low[j] <= high[i]), axis=1)
+    i, j = i[chosen], j[chosen]
+    between = start[j] - start[i]
+    across = _cross(bond[i], bond[j])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s, u = _cross(between, bond[j]) / across, _cross(between, bond[i]) / across
+    return int(np.count_nonzero((s >= 0.0) & (s <= 1.0) & (u >= 0.0) & (u <= 1.0)))
 
 
 def _cross(first: Array, second: Array) -> Array:

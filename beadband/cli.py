@@ -67,6 +67,9 @@ def build_parser() -> argparse.ArgumentParser:
     reproduce.add_argument("--out", metavar="DIR", help="new or empty folder (default: reproduction)")
     reproduce.add_argument("--only", metavar="ITEM", help="one figure or table, as in fig18, table1 or appendix")
     reproduce.add_argument("--quick", action="store_true", help="coarser grids of scenes")
+    launch_map = command("launch-map", "pause and efficiency of launches over strain and half-angle")
+    launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")
+    launch_map.add_argument("--quick", action="store_true", help="a coarser grid of scenes with fewer beads")
     for name in RESERVED:
         later = commands.add_parser(name, description="Not part of this version.", add_help=False)
         later.set_defaults(handler="reserved", name=name)
@@ -92,7 +95,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _handler(name: str) -> Callable[[argparse.Namespace], int]:
     from beadband import commands
 
-    handler: Callable[[argparse.Namespace], int] = getattr(commands, name)
+    handler: Callable[[argparse.Namespace], int] = getattr(commands, name.replace("-", "_"))
     return handler
 
 

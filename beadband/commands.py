@@ -95,6 +95,20 @@ def reproduce(arguments: Namespace) -> int:
     return 0
 
 
+def launch_map(arguments: Namespace) -> int:
+    """Launch a grid of scenes for each band."""
+    from beadband import folder
+    from beadband import launch_map as maps
+
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("launch-map"))
+    start = time.perf_counter()
+    points = maps.launch_map(arguments.quick, follow=_Progress("scene") if sys.stderr.isatty() else None)
+    maps.write_map(points, out)
+    print(json.dumps(maps.rows(points), indent=1) if arguments.json else maps.summary(points))
+    print(f"files in {out}; {len(points)} launches in {time.perf_counter() - start:.0f} s", file=sys.stderr)
+    return 0
+
+
 def _name(scene: Scene) -> str:
     return f"{scene.until}-{scene.band.name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
 

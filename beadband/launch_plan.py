@@ -17,7 +17,7 @@ from beadband.strand import Strand
 
 DEPTH_BOUND = 0.01
 """Deepest penetration of the finger that a sound launch may have, over the band's thickness."""
-HELD_DEPTH = 0.001
+HELD_DEPTH = 0.0001
 """Depth of the most loaded bead in the held ring, over the thickness, at most; grazes of the band go deeper."""
 CONTACT_SHARE = 0.3
 """Share of the square of the largest frequency that the step bears which the contact takes where it is free to."""
@@ -28,7 +28,7 @@ SHORTEST_STRETCH = 0.05
 _LEAST_COMPRESSION = 0.35  # measured: the deepest of the linear law at a strain of 1.4, whose beads buckle aside
 CAP = 3.0
 """Longest run, in units of what the string takes to be free and for its rear to arrive."""
-FRAMES = 120
+FRAMES = 100
 _REAR_FRAMES = 240
 _FEWEST_REAR_STEPS = 4
 _MOST_REAR_STEPS = 16  # the contact bounces in no less: its depth must not be missed

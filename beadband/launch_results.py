@@ -130,9 +130,24 @@ def _momentum_error(done: Launch) -> float:
     return abs(done.found.impulse_n_s - done.found.momentum_n_s) / abs(done.found.momentum_n_s)
 
 
-def _error(value: float | None, other: float | None) -> float | None:
-    """The difference to the other number of beads: of whichever order it falls, the finer run is closer than that."""
-    return None if value is None or other is None else abs(value - other)
+def _errors(done: Launch, measured: dict[str, float | None], other: dict[str, Any]) -> dict[str, float | None]:
+    """The differences to the other number of beads, and with them the error of the time at which the finger is free.
+
+    Of whichever order the differences fall, the finer run is closer than that.
+    """
+    errors = {
+        name: None if value is None or other.get(name) is None else abs(value - other[name])
+        for name, value in measured.items()
+    }
+    free, pause = done.found.free, done.found.pause_s
+    if free is not None:
+        for name in ("finger_free_s", "pause_s"):
+            error = errors[name]
+            errors[name] = None if error is None else math.hypot(error, free.error)
+        speed, error = measured["escape_speed_m_s"], errors["pause_s"]
+        if speed is not None and pause is not None and error is not None:
+            errors["escape_speed_m_s"] = speed * error / pause
+    return errors
 
 
 def as_dict(done: Launch) -> dict[str, Any]:
@@ -152,9 +167,7 @@ def as_dict(done: Launch) -> dict[str, Any]:
         "momentum_n_s": found.momentum_n_s,
     }
     other = asdict(estimate) if estimate else {}
-    if other.get("pause_s"):
-        other["escape_speed_m_s"] = radius / other["pause_s"]
-    errors = {f"{name}_error": _error(value, other.get(name)) for name, value in measured.items()}
+    errors = _errors(done, measured, other)
     shares = {
         "translation": found.translation_j / stored,
         "stretching": float(balance.stretching_j[-1]) / stored,
@@ -165,7 +178,7 @@ def as_dict(done: Launch) -> dict[str, Any]:
     }
     values["launch"] = {
         **measured,
-        **{name: value for name, value in errors.items() if value is not None},
+        **{f"{name}_error": value for name, value in errors.items() if value is not None},
         "finger_impulse_n_s": found.impulse_n_s,
         "finger_force_n": float(done.watch.force_n[0]),
         "finger": {
