@@ -1,4 +1,4 @@
-"""A launch, measured: the finger's load and freedom, the rear's arrival, momentum and energies. Arrays in, values out."""
+"""A launch, measured: load and freedom of the finger, arrival of the rear, momentum, energy; arrays in, values out."""
 
 from __future__ import annotations
 
@@ -171,9 +171,7 @@ def finger_free(times_s: Array, mean_force_n: Array, held_n: float, idle_s: floa
     return None
 
 
-def touches_of(
-    times_s: Array, mean_force_n: Array, held_n: float, free_s: float, idle_s: float
-) -> tuple[Touch, ...]:
+def touches_of(times_s: Array, mean_force_n: Array, held_n: float, free_s: float, idle_s: float) -> tuple[Touch, ...]:
     """Loads on a finger that has become free at ``free_s``; those less than ``idle_s`` apart are one touch."""
     touched = (np.abs(mean_force_n) > TOUCHED * held_n) & (np.concatenate([[0.0], times_s[:-1]]) >= free_s)
     # What trails behind the crossing of the threshold at the freeing itself is no touch.

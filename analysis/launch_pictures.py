@@ -102,7 +102,9 @@ def finger(axes: Any, done: Launch) -> None:
         label="string (EI → 0)" if done.plan.string.exact else "string, beyond its premises",
     )
     axes.axhline(0.0, color=_GREY, linewidth=0.5)
-    axes.set(xlabel="time (ms)", ylabel="force (N)", title="force of the finger on the band", xlim=(0.0, times[-1] * 1e3))
+    axes.set(
+        xlabel="time (ms)", ylabel="force (N)", title="force of the finger on the band", xlim=(0.0, times[-1] * 1e3)
+    )
     axes.legend(fontsize=8, loc="lower left", frameon=False)
 
 

@@ -65,6 +65,10 @@ def settle_on(ring: Ring, strand: Strand, stiffness_n_m: float) -> tuple[Ring, S
     # On a fine chain few beads carry much at the edge of the contact: the median is that of the uniform part.
     depth = float(np.median(carried)) / stiffness_n_m
     support = Support(stiffness_n_m, ring.finger_radius_m + depth, ring.finger_centre_m)
+    # To begin with, each bead at the depth of its own load.
+    away = points - np.array([ring.finger_centre_m, 0.0])
+    shift = np.where(loads > 0.0, depth - loads / stiffness_n_m, 0.0) / np.hypot(away[:, 0], away[:, 1])
+    points = points + shift[:, None] * away
     fixed = np.zeros(points.shape, dtype=bool)
     fixed[0] = True
     if not half.crossing:
@@ -72,6 +76,7 @@ def settle_on(ring: Ring, strand: Strand, stiffness_n_m: float) -> tuple[Ring, S
     share = np.ones(len(points))
     if not half.crossing:
         share[-1] = 0.5
+
     def unbalanced(at: Array) -> float:
         force = np.where(fixed, 0.0, half.gradient(at) + _push(support, at, share)[0])
         return float(np.linalg.norm(force)) / ring.tension_n

@@ -14,8 +14,8 @@ from beadband.analysis.launch import LaunchMeasurement, Watch, balance_of, cross
 from beadband.analysis.measurement import measure
 from beadband.analysis.trajectory import Trajectory, read, read_mdanalysis
 from beadband.contact import Support
-from beadband.engine import run_script
-from beadband.errors import BeadbandError
+from beadband.engine import Follow, run_script
+from beadband.errors import BeadbandError, RunError, explain
 from beadband.launch_plan import CORE_DEPTH, SHORTEST_STRETCH, LaunchPlan, launch_plan_of
 from beadband.launch_results import Launch, LaunchEstimate, as_dict, stored_launch_estimate
 from beadband.plan import Plan
@@ -49,8 +49,7 @@ def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = N
         write_inputs(folder, plan, ring, support)
     expected = round(max(plan.string.rear_arrival_s, plan.string.finger_free_s) / plan.timestep_s) + plan.flight_steps
     with clock.part("integrate"):
-        follow = (lambda done: progress(min(done, expected), expected)) if progress else None
-        version = run_script(folder, files.LAUNCH_SCRIPT, follow)
+        version = _integrate(folder, (lambda done: progress(min(done, expected), expected)) if progress else None)
     with clock.part("estimate"):
         estimates = estimate_of(plan)
     with clock.part("measure"), reading_own_files():
@@ -80,12 +79,29 @@ def remeasure(folder: str | os.PathLike[str], reader: Callable[[Path], Trajector
     return replace(done, run=replace(done.run, wall_s=clock.wall_s))
 
 
+def _integrate(folder: Path, follow: Follow | None = None) -> str:
+    """Run the script; RunError in the project's own words when a bead breaks through the finger."""
+    try:
+        return run_script(folder, files.LAUNCH_SCRIPT, follow)
+    except RunError as error:
+        if "outside surface of region" not in str(error):
+            raise
+        raise RunError(
+            explain(
+                "a bead broke through the finger",
+                f"a depth beyond {CORE_DEPTH} of the thickness",
+                "beads that stay outside",
+                "raise --beads or lower --timestep",
+            )
+        ) from error
+
+
 def follow_launch(scene: Scene) -> tuple[LaunchPlan, LaunchMeasurement, Watch]:
     """Launch a scene without keeping anything but what its finger and its centre of mass do: the cheap way."""
     plan = launch_plan_of(scene)
     with files.scratch() as folder:
         write_inputs(folder, plan, *plan.held(), pictures=False)
-        run_script(folder, files.LAUNCH_SCRIPT)
+        _integrate(folder)
         watch = read_watch(folder / files.FINGER)
     return plan, _launch_of(plan, watch), watch
 
@@ -109,7 +125,7 @@ def estimate_of(plan: LaunchPlan) -> tuple[Estimate | None, LaunchEstimate | Non
         coarse = launch_plan_of(other)
         with files.scratch() as folder:
             write_inputs(folder, coarse, *coarse.held(), pictures=False)
-            run_script(folder, files.LAUNCH_SCRIPT)
+            _integrate(folder)
             watch = read_watch(folder / files.FINGER)
             rear = measure(ended(coarse, watch), read(folder / files.REAR))
     except BeadbandError:

@@ -141,7 +141,9 @@ def write_map(points: Sequence[MapPoint], folder: Path) -> list[Path]:
     return [
         folder / TABLE,
         _picture(points, folder / "pause.png", "pause over the time until the finger is free", _relative_pause, "RdBu"),
-        _picture(points, folder / "efficiency.png", "efficiency of the throw", lambda point: point.efficiency, "viridis"),
+        _picture(
+            points, folder / "efficiency.png", "efficiency of the throw", lambda point: point.efficiency, "viridis"
+        ),
     ]
 
 
@@ -161,7 +163,8 @@ def _picture(
     from matplotlib import pyplot
 
     bands = list(dict.fromkeys(point.band for point in points))
-    figure, panels = pyplot.subplots(1, len(bands), figsize=(3.4 * len(bands), 4.2), layout="constrained", squeeze=False)
+    size = 3.4 * len(bands), 4.2
+    figure, panels = pyplot.subplots(1, len(bands), figsize=size, layout="constrained", squeeze=False)
     known = [number for number in map(value, points) if number is not None]
     most = max((abs(number) for number in known), default=1.0)
     low, high = (-min(most, 1.0), min(most, 1.0)) if shades == "RdBu" else (min(known, default=0.0), most)
@@ -200,7 +203,7 @@ def summary(points: Sequence[MapPoint]) -> str:
         thrown = [point for point in own if point.efficiency is not None]
         hit = [point for point in own if point.pause_s is not None and point.pause_s <= 0.0]
         refused = [point for point in own if point.rear_arrival_s is None]
-        text = f"band {band}: {len(own)} scenes, {len(hit)} hit before the finger is free, {len(refused)} without an answer"
+        text = f"band {band}: {len(own)} scenes, {len(hit)} hit before the finger is free, {len(refused)} refused"
         if thrown:
             best = max(thrown, key=lambda point: point.efficiency or 0.0)
             slow = min(thrown, key=lambda point: point.escape_speed_m_s or math.inf)
