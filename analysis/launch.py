@@ -34,7 +34,7 @@ class Watch:
     momentum_n_s: Array
     centre_x_m: Array
     gap_m: Array
-    """Distance from the finger's surface to the nearest bead behind it; 1000 m more while there is none."""
+    """Distance from the finger's surface to the nearest bead of the rear."""
     depth_m: Array
     """Depth of the deepest bead in the finger, negative where none touches."""
     contact_j: Array

@@ -228,7 +228,7 @@ def script(plan: LaunchPlan, ring: Ring, support: Support, pictures: bool) -> st
         "half_stiffness": 0.5 * support.stiffness_n_m,
         "core_radius": support.radius_m - core,
         "core_depth": core,
-        "rear_half_height": plan.rear_half_width * support.radius_m,
+        "nose": plan.nose_beads,
         "gap_margin": plan.gap_margin_m,
         "idle_force": _IDLE_FORCE * held_n,
         "frame_steps": plan.frame_steps if pictures else _NEVER,

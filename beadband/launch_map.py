@@ -64,8 +64,9 @@ def launch_map(
 ) -> list[MapPoint]:
     """Launch every point of the map on two processes; scenes that have no answer are in it with their reason."""
     strains, angles = (QUICK_STRAINS, QUICK_HALF_ANGLES_DEG) if quick else (STRAINS, HALF_ANGLES_DEG)
-    beads = QUICK_BEADS if quick else BEADS
-    points = [MapPoint(band, strain, angle, beads) for band in bands for strain in strains for angle in angles]
+    points = [
+        MapPoint(band, strain, angle, beads_of(band, quick)) for band in bands for strain in strains for angle in angles
+    ]
     done: dict[int, MapPoint] = {}
     # Spawned, for LAMMPS and MPI do not survive a fork.
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
@@ -79,6 +80,14 @@ def launch_map(
             pool.shutdown(cancel_futures=True)
             raise
     return [done[number] for number in range(len(points))]
+
+
+def beads_of(band: str, quick: bool) -> int:
+    """Beads for a band of the catalogue: more for a slender one, whose thickness is what grazes are measured by."""
+    if quick:
+        return QUICK_BEADS
+    slenderness = CATALOGUE[band].circumference_m / CATALOGUE[band].thickness_m
+    return 20 * round(min(max(BEADS, slenderness), 2 * BEADS) / 20)
 
 
 def launch_point(point: MapPoint) -> MapPoint:
@@ -178,8 +187,10 @@ def _picture(
             number = value(point)
             place = strains.index(point.strain), angles.index(point.half_angle_deg)
             if number is not None:
+                dark = abs(number) > 0.6 if shades == "RdBu" else number < 0.5 * (low + high)
+                ink = "#ffffff" if dark else "#202020"
                 grid[place] = number
-                axes.text(place[1], place[0], f"{number:.2f}", ha="center", va="center", fontsize=7, color="#202020")
+                axes.text(place[1], place[0], f"{number:.2f}", ha="center", va="center", fontsize=7, color=ink)
             else:
                 axes.text(place[1], place[0], "–", ha="center", va="center", fontsize=7, color="#6b6b6b")
         image = axes.imshow(grid, origin="lower", aspect="auto", cmap=shades, vmin=low, vmax=high)

@@ -34,6 +34,8 @@ _FEWEST_REAR_STEPS = 4
 _MOST_REAR_STEPS = 16  # the contact bounces in no less: its depth must not be missed
 _IDLE_SHARE = 0.03
 _APPROACH = 1.5
+_NOSE = 0.5
+_GRAZE = 0.4  # speed of a graze over that of the rear; measured depths then stay below the bound
 
 
 @dataclass(frozen=True)
@@ -81,12 +83,16 @@ class LaunchPlan:
         return _APPROACH * self.twin.string.rear_speed_m_s * self.rear_steps * self.timestep_s
 
     @property
-    def rear_half_width(self) -> float:
-        """The rear is what comes at the finger within this share of its radius from the axis.
+    def nose_beads(self) -> int:
+        """Beads to either side of the tip that count as the rear which arrives.
 
-        Halfway, as an angle, from the axis to where the legs touch the finger.
+        Half of what the string's kink has left behind when the rear arrives, x tan(phi)/stretch1 with
+        x = L/cos(phi) - R: the waves in the legs that run before it may touch the finger and are no arrival.
         """
-        return math.sin(0.5 * (math.pi / 2.0 - self.scene.half_angle_rad))
+        wedge, phi = self.scene.wedge, self.scene.half_angle_rad
+        way = wedge.leg_m / math.cos(phi) - wedge.finger_radius_m
+        behind = way * math.tan(phi) / (1.0 + self.twin.string.residual_strain)
+        return max(1, round(_NOSE * behind / self.strand.spacing_m))
 
     def held(self) -> tuple[Ring, Support]:
         """The held ring at rest on its finger."""
@@ -207,11 +213,15 @@ def _contact(
 ) -> tuple[float, float]:
     """Stiffness of the finger for one bead, N/m, and the largest step with it.
 
-    As stiff as the step bears at no cost, and never so soft that the held ring sinks in by more than its share.
+    As stiff as the step bears at no cost, and never so soft that the held ring sinks in by more than its share, or
+    that a graze goes deeper than the bound. On coarse chains of a thin band that takes a shorter step.
     """
     ring = stretched_ring(strand, beads, scene.strain, scene.half_angle_rad)
     needed = float(finger_loads_n(ring, strand).max()) / (HELD_DEPTH * scene.band.thickness_m)
     mass, held = strand.bead_mass_kg, 1.0 + scene.strain
+    # A wave in a leg throws beads against the finger: one at the speed v goes in by v sqrt(mass/stiffness).
+    graze = _GRAZE * scene.string.rear_speed_m_s
+    needed = max(needed, mass * (graze / (DEPTH_BOUND * scene.band.thickness_m)) ** 2)
     # A bead on the finger moves across the strand, which resists by its bending and by its tension.
     bending = (4.0 * strand.bending_diffusivity_m2_s / (strand.spacing_m**2 * min(1.0, held))) ** 2
     pull = 4.0 * strand.law.stress(held) / (held * strand.density_kg_m3 * strand.spacing_m**2)
