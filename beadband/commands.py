@@ -6,8 +6,7 @@ import json
 import sys
 import time
 from argparse import Namespace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from beadband.options import scene_values
 from beadband.scene import Scene, scene_of
@@ -40,12 +39,12 @@ def plan(arguments: Namespace) -> int:
 
 def run(arguments: Namespace) -> int:
     """Release a scene."""
-    from beadband import folder, launch, release
+    from beadband import driver, folder
 
     scene = scene_of(scene_values(arguments))
     out = arguments.out if arguments.out is not None else folder.next_free(_name(scene))
     follow = _Progress("releasing: step") if sys.stderr.isatty() else None
-    done = (launch if scene.until == "launch" else release).run(scene, out, follow)
+    done = driver.run(scene, out, follow)
     code = _report(done, arguments.json)
     print(f"files in {out}", file=sys.stderr)
     return code
@@ -53,18 +52,16 @@ def run(arguments: Namespace) -> int:
 
 def analyze(arguments: Namespace) -> int:
     """Measure a run again."""
-    done = _driver(arguments.dir).analyze(arguments.dir)
-    return _report(done, arguments.json)
+    from beadband import driver
+
+    return _report(driver.analyze(arguments.dir), arguments.json)
 
 
 def plot(arguments: Namespace) -> int:
     """Draw the pictures of a run into its folder."""
-    from beadband import release
-    from beadband.analysis import launch_pictures, pictures
+    from beadband import driver
 
-    driver = _driver(arguments.dir)
-    draw = pictures.draw if driver is release else launch_pictures.draw
-    written = [str(path) for path in draw(driver.remeasure(arguments.dir), driver.frames(arguments.dir), arguments.dir)]
+    written = [str(path) for path in driver.plot(arguments.dir)]
     print(json.dumps(written, indent=1) if arguments.json else "\n".join(written))
     return 0
 
@@ -111,14 +108,6 @@ def launch_map(arguments: Namespace) -> int:
 
 def _name(scene: Scene) -> str:
     return f"{scene.until}-{scene.band.name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
-
-
-def _driver(folder: str) -> Any:
-    """The module that knows the runs of a folder: launch where launch.in stands in it, else release."""
-    from beadband import launch, release
-    from beadband.folder import LAUNCH_SCRIPT
-
-    return launch if (Path(folder) / LAUNCH_SCRIPT).is_file() else release
 
 
 def _report(done: Run | Launch, as_json: bool) -> int:
