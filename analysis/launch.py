@@ -16,7 +16,7 @@ LOADED = 0.01
 """Share of the held load below which the finger counts as free."""
 TOUCHED = 1e-3
 """Share of the held load above which a free finger counts as touched."""
-_TO_COME = (0.003, 0.06)
+_TO_COME = (0.01, 0.06)
 """Shares of the impulse still to come between which its root is fitted."""
 _TABLE_COLUMNS = 13
 _GROUP = 16

@@ -50,7 +50,9 @@ class MapPoint:
     """Negative, from the string's time of freedom, where the rear came before the finger was free."""
     escape_speed_m_s: float | None = None
     centre_of_mass_speed_m_s: float | None = None
+    """When the finger becomes free."""
     efficiency: float | None = None
+    """Of the throw, when the finger becomes free: that of a finger which clears."""
     touched: float | None = None
     """Impulse of later touches over the momentum; negative where the band was slowed down."""
     depth_over_thickness: float | None = None
@@ -102,9 +104,15 @@ def launch_point(point: MapPoint) -> MapPoint:
 def _launched(point: MapPoint, scene: Scene) -> MapPoint:
     from beadband.launch import follow_launch
 
-    plan, found, _ = follow_launch(scene)
+    plan, found, watch = follow_launch(scene)
     string, radius = plan.string, scene.wedge.finger_radius_m
     pause, arrival = found.pause_s, found.rear_arrival_s
+    speed = efficiency = None
+    if found.free is not None:
+        # Where the rear comes first the finger has not given all of its impulse: there is no throw to speak of.
+        times, mass = watch.times_s(plan.timestep_s), scene.band.mass_per_length_kg_m * scene.band.circumference_m
+        speed = float(np.interp(sum(found.free), times, watch.momentum_n_s)) / mass
+        efficiency = 0.5 * mass * speed**2 / float(watch.stretching_j[0] + watch.bending_j[0])
     reason = ""
     if arrival is None:
         reason = "the rear did not arrive"
@@ -121,9 +129,8 @@ def _launched(point: MapPoint, scene: Scene) -> MapPoint:
         rear_arrival_s=arrival,
         pause_s=pause,
         escape_speed_m_s=radius / pause if pause is not None and pause > 0.0 else None,
-        centre_of_mass_speed_m_s=found.centre_of_mass_speed_m_s,
-        # Where the rear comes first the finger has not given all of its impulse: there is no throw to speak of.
-        efficiency=found.efficiency if found.finger_free_s is not None else None,
+        centre_of_mass_speed_m_s=speed,
+        efficiency=efficiency,
         touched=sum(touch.impulse_n_s for touch in found.touches) / found.momentum_n_s,
         depth_over_thickness=max(found.depth_m, 0.0) / scene.band.thickness_m,
         string_pause_s=string.pause_s,
