@@ -144,7 +144,9 @@ def impulse_n_s(watch: Watch, timestep_s: float) -> float:
 
 
 def finger_free(times_s: Array, mean_force_n: Array, held_n: float, idle_s: float) -> Measured | None:
-    """When the load of the finger has fallen to nothing, for ``idle_s`` at least; None when it does not come to that.
+    """When the load of the finger has fallen to nothing; None when it does not come to that.
+
+    Nothing means for ``idle_s``, or for a quarter of it up to the end of the run.
 
     ``mean_force_n`` (lines,) are means over the intervals that end at ``times_s``. Bending waves make the band rattle
     on the finger, and the moment of its very last touch is chance. The impulse still to come is not: under a load
@@ -155,7 +157,9 @@ def finger_free(times_s: Array, mean_force_n: Array, held_n: float, idle_s: floa
     load[0] = 1.0
     loaded = np.flatnonzero(load > LOADED)
     for last, following in zip(loaded, [*loaded[1:], len(load)], strict=True):
-        if times_s[following - 1] - times_s[last] < idle_s:
+        # A short pause, cut off by the rear's arrival, is one too.
+        enough = idle_s if following < len(load) else 0.25 * idle_s
+        if times_s[following - 1] - times_s[last] < enough:
             continue
         given = np.cumsum(mean_force_n * np.diff(times_s, prepend=0.0))[: last + 1]
         to_come = 1.0 - given / given[-1]

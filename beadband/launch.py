@@ -207,7 +207,7 @@ def script(plan: LaunchPlan, ring: Ring, support: Support, pictures: bool) -> st
     scene, strand = plan.scene, plan.strand
     cutoff = files.dashpot_cutoff_m(ring)
     core = min(CORE_DEPTH * scene.band.thickness_m, 0.5 * support.radius_m)
-    loss_every, lost_every = _divisor(plan.frame_steps, _LOSS_SAMPLES), _divisor(plan.rear_steps, 2)
+    loss_every, lost_every = _divisor(plan.frame_steps, _LOSS_SAMPLES), _divisor(plan.rear_steps, plan.rear_steps // 4)
     held_n = 2.0 * ring.tension_n * float(np.cos(scene.half_angle_rad))
     variables: dict[str, int | float] = {
         "beads": plan.beads,
@@ -243,7 +243,7 @@ def script(plan: LaunchPlan, ring: Ring, support: Support, pictures: bool) -> st
 
 def _divisor(steps: int, samples: int) -> int:
     """Largest divisor of ``steps`` that takes at least so many samples."""
-    every = max(1, steps // samples)
+    every = max(1, steps // max(1, samples))
     while steps % every:
         every -= 1
     return every

@@ -47,7 +47,7 @@ class MapPoint:
     finger_free_s: float | None = None
     rear_arrival_s: float | None = None
     pause_s: float | None = None
-    """Negative, from the string's time of freedom, where the rear came before the finger was free."""
+    """From the string's time of freedom, and mostly negative, where the rear came before the finger was seen free."""
     escape_speed_m_s: float | None = None
     centre_of_mass_speed_m_s: float | None = None
     """When the finger becomes free."""
@@ -117,7 +117,8 @@ def _launched(point: MapPoint, scene: Scene) -> MapPoint:
     if arrival is None:
         reason = "the rear did not arrive"
     elif pause is None:
-        reason, pause = "hit before the finger was free", arrival - string.finger_free_s
+        pause = arrival - string.finger_free_s
+        reason = "hit before the finger was free" if pause < 0.0 else "hit before the finger had been idle for a while"
     return MapPoint(
         point.band,
         point.strain,

@@ -101,7 +101,11 @@ def warnings_of(done: Launch) -> list[str]:
     if found.rear_arrival_s is None:
         sentences.append(f"the rear did not reach the finger within {plan.cap_s:.4g} s: there is no pause to report")
     elif found.finger_free_s is None:
-        sentences.append("the rear reached the finger before it was free: there is no pause, the hand is hit")
+        idle = 0.25 * plan.idle_steps * plan.timestep_s
+        sentences.append(
+            f"the rear reached the finger before it had carried nothing for {idle:.3g} s: there is no pause, the hand "
+            "is hit"
+        )
     if plan.scene.finger == "clears" and found.finger_free_s is None:
         sentences.append("the finger was not taken away, for it was never free: the flight is left out")
     if found.touches:
