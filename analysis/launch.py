@@ -170,8 +170,9 @@ def finger_free(times_s: Array, mean_force_n: Array, held_n: float, idle_s: floa
             return Measured(end_s, float(times_s[last] - times_s[last - 1]))
         root = np.sqrt(np.maximum(to_come[first:end], 0.0))
         slope, offset = np.polyfit(times_s[first:end] - end_s, root, 1)
-        value = end_s - float(offset / slope)
-        return Measured(value, abs(end_s - value))
+        root_s = end_s - float(offset / slope)
+        # A root beyond the last load seen says how sure that is, not that a load is still to come.
+        return Measured(min(root_s, end_s), max(abs(end_s - root_s), float(times_s[last] - times_s[last - 1])))
     return None
 
 

@@ -16,12 +16,12 @@ from beadband.scene import Scene
 
 def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = None) -> Run | Launch:
     """Release or launch a scene into the new or empty folder ``out``; see ``release.run`` and ``launch.run``."""
-    return (launch if scene.until == "launch" else release).run(scene, out, progress)
+    return launch.run(scene, out, progress) if scene.until == "launch" else release.run(scene, out, progress)
 
 
 def analyze(folder: str | os.PathLike[str]) -> Run | Launch:
     """Measure a run again, from the files in its folder alone."""
-    return (launch if _launched(folder) else release).analyze(folder)
+    return launch.analyze(folder) if _launched(folder) else release.analyze(folder)
 
 
 def plot(folder: str | os.PathLike[str]) -> list[Path]:
