@@ -20,8 +20,9 @@ _PUBLIC = {
     "Ring": "ring",
     "stretched_ring": "ring",
     "Run": "results",
-    "run": "release",
-    "analyze": "release",
+    "Launch": "launch_results",
+    "run": "driver",
+    "analyze": "driver",
     "sweep": "sweeping",
 }
 __all__ = ["__version__", *_PUBLIC]

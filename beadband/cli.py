@@ -84,6 +84,9 @@ def build_parser() -> argparse.ArgumentParser:
         "--random", metavar="N", type=int, help="draw so many scenes from the ranges instead of the grid"
     )
     sweep.add_argument("--seed", metavar="S", type=int, default=0, help="of the draws (0)")
+    launch_map = command("launch-map", "pause and efficiency of launches over strain and half-angle")
+    launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")
+    launch_map.add_argument("--quick", action="store_true", help="a coarser grid of scenes with fewer beads")
     for name in RESERVED:
         later = commands.add_parser(name, description="Not part of this version.", add_help=False)
         later.set_defaults(handler="reserved", name=name)
@@ -109,7 +112,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _handler(name: str) -> Callable[[argparse.Namespace], int]:
     from beadband import commands
 
-    handler: Callable[[argparse.Namespace], int] = getattr(commands, name)
+    handler: Callable[[argparse.Namespace], int] = getattr(commands, name.replace("-", "_"))
     return handler
 
 

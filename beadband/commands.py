@@ -14,6 +14,7 @@ from beadband.options import grid_values, scene_values
 from beadband.scene import Scene, scene_of
 
 if TYPE_CHECKING:
+    from beadband.launch_results import Launch
     from beadband.results import Run
 
 
@@ -29,24 +30,27 @@ def bands(arguments: Namespace) -> int:
 def plan(arguments: Namespace) -> int:
     """Say what a scene needs."""
     from beadband import tables
+    from beadband.launch_plan import launch_plan_of
     from beadband.plan import plan_of
 
-    chosen = plan_of(scene_of(scene_values(arguments)))
+    scene = scene_of(scene_values(arguments))
+    chosen = launch_plan_of(scene).twin if scene.until == "launch" else plan_of(scene)
     print(json.dumps(tables.plan_values(chosen), indent=1) if arguments.json else tables.plan(chosen))
     return 0
 
 
 def run(arguments: Namespace) -> int:
     """Release a scene."""
-    from beadband import folder, release
+    from beadband import driver, folder
     from beadband.parallel import world
 
     scene = scene_of(scene_values(arguments))
     if world().rank > 0:
-        release.help_along()
+        driver.help_along(scene)
         return 0
     out = arguments.out if arguments.out is not None else folder.next_free(_name(scene))
-    done = release.run(scene, out, _Progress("releasing: step") if sys.stderr.isatty() else None)
+    follow = _Progress("releasing: step") if sys.stderr.isatty() else None
+    done = driver.run(scene, out, follow)
     code = _report(done, arguments.json)
     print(f"files in {out}", file=sys.stderr)
     return code
@@ -54,20 +58,16 @@ def run(arguments: Namespace) -> int:
 
 def analyze(arguments: Namespace) -> int:
     """Measure a run again."""
-    from beadband import release
+    from beadband import driver
 
-    done = release.analyze(arguments.dir)
-    return _report(done, arguments.json)
+    return _report(driver.analyze(arguments.dir), arguments.json)
 
 
 def plot(arguments: Namespace) -> int:
     """Draw the pictures of a run into its folder."""
-    from beadband import release
-    from beadband.analysis import pictures
+    from beadband import driver
 
-    done = release.remeasure(arguments.dir)
-    ring = release.frames(arguments.dir)
-    return _written([str(path) for path in pictures.draw(done, ring, arguments.dir)], arguments.json)
+    return _written([str(path) for path in driver.plot(arguments.dir)], arguments.json)
 
 
 def report(arguments: Namespace) -> int:
@@ -147,6 +147,20 @@ def _bar(unit: str) -> Iterator[Callable[[int, int], None] | None]:
         yield follow
 
 
+def launch_map(arguments: Namespace) -> int:
+    """Launch a grid of scenes for each band."""
+    from beadband import folder
+    from beadband import launch_map as maps
+
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("launch-map"))
+    start = time.perf_counter()
+    points = maps.launch_map(arguments.quick, follow=_Progress("scene") if sys.stderr.isatty() else None)
+    maps.write_map(points, out)
+    print(json.dumps(maps.rows(points), indent=1) if arguments.json else maps.summary(points))
+    print(f"files in {out}; {len(points)} launches in {time.perf_counter() - start:.0f} s", file=sys.stderr)
+    return 0
+
+
 def _name(scene: Scene) -> str:
     return f"{scene.until}-{scene.band.name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
 
@@ -156,12 +170,16 @@ def _written(paths: list[str], as_json: bool) -> int:
     return 0
 
 
-def _report(done: Run, as_json: bool) -> int:
+def _report(done: Run | Launch, as_json: bool) -> int:
     """Print a finished run and what it does not keep of physics; return the exit code."""
-    from beadband import results, tables
+    from beadband import launch_results, results, tables
 
-    print(results.to_json(results.as_dict(done)) if as_json else tables.run(done), end="")
-    failures = results.failed_checks(done)
+    if isinstance(done, results.Run):
+        values, failures = results.as_dict(done), results.failed_checks(done)
+        print(results.to_json(values) if as_json else tables.run(done), end="")
+    else:
+        values, failures = launch_results.as_dict(done), launch_results.failed_checks(done)
+        print(results.to_json(values) if as_json else launch_results.text(done), end="")
     for sentence in failures:
         print(f"physics check failed: {sentence}", file=sys.stderr)
     return 3 if failures else 0

@@ -41,8 +41,11 @@ def write_leg(folder: Path, plan: Plan, leg: Leg) -> None:
     (folder / TABLE).write_text(bond_table(strand, plan.scene.strain, LEG_TABLE_POINTS), encoding="utf-8")
 
 
-def data_file(ring: Ring, strand: Strand) -> str:
-    """LAMMPS data file of the held ring: a box that the release can't leave, beads, bonds and angles."""
+def data_file(ring: Ring, strand: Strand, ahead_m: float = 0.0) -> str:
+    """LAMMPS data file of the held ring: a box that the release can't leave, beads, bonds and angles.
+
+    ``ahead_m`` is added to the box in front of the ring, for a band that flies.
+    """
     x, y = ring.positions_m[:, 0], ring.positions_m[:, 1]
     count = ring.beads
     margin = 0.5 * (x.max() - x.min())
@@ -57,7 +60,7 @@ def data_file(ring: Ring, strand: Strand) -> str:
 1 bond types
 1 angle types
 
-{x.min() - margin:.17g} {x.max() + margin:.17g} xlo xhi
+{x.min() - margin:.17g} {x.max() + margin + ahead_m:.17g} xlo xhi
 {y.min() - margin:.17g} {y.max() + margin:.17g} ylo yhi
 {-0.5 * strand.spacing_m:.17g} {0.5 * strand.spacing_m:.17g} zlo zhi
 
@@ -76,10 +79,10 @@ Masses
     return f"{head}{masses}\nAtoms # angle\n\n{atoms}\nBonds\n\n{bonds}\nAngles\n\n{angles}"
 
 
-def bond_table(strand: Strand, strain: float, points: int = TABLE_POINTS) -> str:
-    """Energy and force of a bond from deep compression to a quarter beyond the held strain."""
+def bond_table(strand: Strand, strain: float, points: int = TABLE_POINTS, shortest: float = DEEPEST_STRETCH) -> str:
+    """Energy and force of a bond from the stretch ``shortest`` to a quarter beyond the held strain."""
     law, a, area = strand.law, strand.spacing_m, strand.area_m2
-    stretch = np.linspace(DEEPEST_STRETCH, 1.0 + 1.25 * strain, points)
+    stretch = np.linspace(shortest, 1.0 + 1.25 * strain, points)
     energy, force = a * area * law.energy(stretch), -area * law.stress(stretch)
     slopes = [-area * float(law.tangent(stretch[end])) / a for end in (0, -1)]
     rows = "".join(

@@ -16,6 +16,7 @@ _FLAGS: tuple[tuple[str, str, type, str, str], ...] = (
     ("beads", "--beads", int, "N", "beads of the whole ring, instead of the plan's"),
     ("timestep_s", "--timestep", float, "S", "time step, instead of the plan's"),
     ("loss_time_s", "--loss-time", float, "S", "loss time of the material, instead of a numerical one"),
+    ("flight_s", "--flight", float, "S", "of a launch whose finger clears: time to fly on (0)"),
     ("frames", "--frames", int, "N", "frames of the whole ring in the trajectory (60)"),
     ("circumference_m", "--circumference", float, "M", "circumference of the unstretched band"),
     ("width_m", "--width", float, "M", "width of a rectangular section"),
@@ -30,6 +31,7 @@ _CHOICE_HELP = {
     "until": "end of the run (release)",
     "for": "what the plan must get right (curvature)",
     "bending_modulus": "modulus in EI: E of the table, or E0 at rest (table)",
+    "finger": "of a launch: it stays, or clears once it carries nothing (stays)",
 }
 
 

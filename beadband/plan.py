@@ -94,7 +94,7 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     """
     if scene.until == "launch":
         raise UsageError(
-            explain("the launch is not part of this version", "--until launch", "--until release", "leave --until out")
+            explain("this plans releases only", "until launch", "until release", "launch_plan_of plans launches")
         )
     string = scene.string
     reasons: list[str] = []

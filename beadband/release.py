@@ -24,7 +24,7 @@ Progress = Callable[[int, int], None]
 """Called now and then with the steps done and the steps in all."""
 
 
-class _Clock:
+class Clock:
     """Seconds spent on each part of a run."""
 
     def __init__(self) -> None:
@@ -45,7 +45,7 @@ def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = N
     ``results.json`` is written last: where it is missing, the run did not finish. Raises UsageError for a scene or
     folder that can't be used, RunError when LAMMPS fails.
     """
-    clock = _Clock()
+    clock = Clock()
     with clock.part("plan"):
         plan = plan_of(scene)
     with clock.part("relax"):
@@ -97,7 +97,7 @@ def remeasure(folder: str | os.PathLike[str], reader: Callable[[Path], Trajector
     """The like of :func:`analyze` with a reader of choice."""
     plan = stored_plan(folder)
     path = files.require(folder, files.REAR, files.ENERGY)
-    clock = _Clock()
+    clock = Clock()
     with clock.part("measure"):
         found = measure(plan, reader(path / files.REAR))
         energies = balance(plan, read_energies(path / files.ENERGY))

@@ -16,6 +16,7 @@ CHOICES = {
     "until": ("release", "launch"),
     "for": ("curvature", "speed"),
     "bending_modulus": ("table", "rest"),
+    "finger": ("stays", "clears"),
 }
 COUNTS = {"beads": 2_000_000, "frames": 100_000, "steps": 2_000_000_000, "rear_steps": 2_000_000_000}
 """Whole numbers of a scene, and the most that each may be."""
@@ -48,6 +49,10 @@ class Scene:
     steps: int | None = None
     rear_steps: int | None = None
     """Steps between frames of the rear; ``steps`` and this one are the plan's, kept so that a run can be repeated."""
+    finger: str = "stays"
+    """Of a launch: whether the finger stays, or is taken away once it carries nothing."""
+    flight_s: float = 0.0
+    """Of a launch whose finger clears: time that the band flies on after its rear has come to the finger's place."""
     planned: tuple[str, ...] = ()
     """Which of the values from ``beads`` on were chosen by a plan."""
 
@@ -117,6 +122,8 @@ class Scene:
             "rear_steps": self.rear_steps,
             "planned": list(self.planned) or None,
         }
+        if self.until == "launch":
+            values.update({"finger": self.finger, "flight_s": self.flight_s})
         properties = asdict(self.band)
         values.update({key: properties[key] for key in PROPERTIES})
         return {key: value for key, value in values.items() if value is not None}
@@ -131,6 +138,7 @@ KEYS = (
     "bending_scale",
     "timestep_s",
     "loss_time_s",
+    "flight_s",
     *COUNTS,
     "planned",
     *PROPERTIES,
@@ -156,7 +164,7 @@ def scene_of(values: dict[str, object]) -> Scene:
         chosen["purpose" if key == "for" else key] = str(value)
     numbers = {
         key: _number(values, key)
-        for key in ("strain", "half_angle_deg", "tolerance", "bending_scale", "timestep_s", "loss_time_s")
+        for key in ("strain", "half_angle_deg", "tolerance", "bending_scale", "timestep_s", "loss_time_s", "flight_s")
         if values.get(key) is not None
     }
     counts = {key: _count(values, key, most) for key, most in COUNTS.items() if values.get(key) is not None}
@@ -226,6 +234,14 @@ def _check(scene: Scene) -> None:
         _within("the time step is out of range", scene.timestep_s, 0.0, math.inf, "above 0 s", "--timestep")
     if scene.loss_time_s is not None and not 0.0 <= scene.loss_time_s < math.inf:
         raise UsageError(explain("the loss time is out of range", scene.loss_time_s, "0 s or more", "mend --loss-time"))
+    if not 0.0 <= scene.flight_s < math.inf:
+        raise UsageError(explain("the flight's time is out of range", scene.flight_s, "0 s or more", "mend --flight"))
+    if scene.until != "launch" and (scene.finger, scene.flight_s) != ("stays", 0.0):
+        given = f"--finger {scene.finger} --flight {scene.flight_s:g}"
+        raise UsageError(explain("a release has no flight", given, "both with a launch", "add --until launch"))
+    if scene.flight_s > 0.0 and scene.finger != "clears":
+        given = f"--flight {scene.flight_s:g} with a finger that stays"
+        raise UsageError(explain("the band can't fly on through the finger", given, "0 s", "add --finger clears"))
     closing = (1.0 + scene.strain) * math.sin(scene.half_angle_rad)
     if closing >= 1.0:
         raise UsageError(
