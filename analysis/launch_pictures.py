@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from beadband.analysis.trajectory import Trajectory
-from beadband.launch_string import finger_force_n
+from beadband.launching.string import finger_force_n
 
 if TYPE_CHECKING:
-    from beadband.launch_results import Launch
+    from beadband.launching.results import Launch
 
 _BLUE, _ORANGE, _GREEN, _GREY, _SAND = "#1f5fa8", "#c8601a", "#2c7d4f", "#6b6b6b", "#efe6d5"
 _SNAPSHOTS = 7

@@ -20,7 +20,7 @@ _PUBLIC = {
     "Ring": "ring",
     "stretched_ring": "ring",
     "Run": "results",
-    "Launch": "launch_results",
+    "Launch": "launching.results",
     "run": "driver",
     "analyze": "driver",
     "sweep": "sweeping",

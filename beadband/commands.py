@@ -14,7 +14,7 @@ from beadband.options import grid_values, scene_values
 from beadband.scene import Scene, scene_of
 
 if TYPE_CHECKING:
-    from beadband.launch_results import Launch
+    from beadband.launching.results import Launch
     from beadband.results import Run
 
 
@@ -30,7 +30,7 @@ def bands(arguments: Namespace) -> int:
 def plan(arguments: Namespace) -> int:
     """Say what a scene needs."""
     from beadband import tables
-    from beadband.launch_plan import launch_plan_of
+    from beadband.launching.plan import launch_plan_of
     from beadband.plan import plan_of
 
     scene = scene_of(scene_values(arguments))
@@ -150,7 +150,7 @@ def _bar(unit: str) -> Iterator[Callable[[int, int], None] | None]:
 def launch_map(arguments: Namespace) -> int:
     """Launch a grid of scenes for each band."""
     from beadband import folder
-    from beadband import launch_map as maps
+    from beadband.launching import map as maps
 
     out = folder.create(arguments.out if arguments.out is not None else folder.next_free("launch-map"))
     start = time.perf_counter()
@@ -172,7 +172,8 @@ def _written(paths: list[str], as_json: bool) -> int:
 
 def _report(done: Run | Launch, as_json: bool) -> int:
     """Print a finished run and what it does not keep of physics; return the exit code."""
-    from beadband import launch_results, results, tables
+    from beadband import results, tables
+    from beadband.launching import results as launch_results
 
     if isinstance(done, results.Run):
         values, failures = results.as_dict(done), results.failed_checks(done)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from beadband import launch, release
+from beadband import release
 from beadband.analysis import launch_pictures, pictures
 from beadband.errors import UsageError, explain
 from beadband.folder import LAUNCH_SCRIPT
-from beadband.launch_results import Launch
+from beadband.launching import launch
+from beadband.launching.results import Launch
 from beadband.parallel import world
 from beadband.release import Progress
 from beadband.results import Run

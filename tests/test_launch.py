@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 from beadband import folder as files
-from beadband import launch, launch_plan, launch_results
 from beadband.analysis.launch import (
     LaunchMeasurement,
     Watch,
@@ -27,13 +26,16 @@ from beadband.analysis.launch import (
 )
 from beadband.analysis.trajectory import read
 from beadband.cli import main
-from beadband.contact import finger_loads_n, settle_on
 from beadband.errors import RunError, UsageError
-from beadband.launch_ladder import Ladder, ladder
-from beadband.launch_map import MapPoint, as_csv, launch_point
-from beadband.launch_plan import DEPTH_BOUND, LaunchPlan, launch_plan_of
-from beadband.launch_results import Launch, as_dict
-from beadband.launch_string import finger_force_n, string_launch
+from beadband.launching import launch
+from beadband.launching import plan as launch_plan
+from beadband.launching import results as launch_results
+from beadband.launching.contact import finger_loads_n, settle_on
+from beadband.launching.ladder import Ladder, ladder
+from beadband.launching.map import MapPoint, as_csv, launch_point
+from beadband.launching.plan import DEPTH_BOUND, LaunchPlan, launch_plan_of
+from beadband.launching.results import Launch, as_dict
+from beadband.launching.string import finger_force_n, string_launch
 from beadband.ring import WRAPPED, stretched_ring
 from beadband.scene import scene_of
 from beadband.scenefile import read_scene

@@ -102,7 +102,7 @@ def launch_point(point: MapPoint) -> MapPoint:
 
 
 def _launched(point: MapPoint, scene: Scene) -> MapPoint:
-    from beadband.launch import follow_launch
+    from beadband.launching.launch import follow_launch
 
     plan, found, watch = follow_launch(scene)
     string, radius = plan.string, scene.wedge.finger_radius_m

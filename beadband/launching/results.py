@@ -11,8 +11,8 @@ from typing import Any
 from beadband import results
 from beadband.analysis.launch import LaunchMeasurement, Watch
 from beadband.analysis.tip import Array
-from beadband.contact import Support
-from beadband.launch_plan import DEPTH_BOUND, LaunchPlan
+from beadband.launching.contact import Support
+from beadband.launching.plan import DEPTH_BOUND, LaunchPlan
 from beadband.results import Run
 
 MOMENTUM_BOUND = 1e-6

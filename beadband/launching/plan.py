@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from beadband.contact import Support, finger_loads_n, settle_on
 from beadband.errors import UsageError, explain
-from beadband.launch_string import StringLaunch, string_launch
+from beadband.launching.contact import Support, finger_loads_n, settle_on
+from beadband.launching.string import StringLaunch, string_launch
 from beadband.plan import MOST_STEPS, STEP_SHARE, Plan, plan_of
 from beadband.ring import Ring, stretched_ring
 from beadband.scales import similarity_window

@@ -14,12 +14,12 @@ from beadband import inputs
 from beadband.analysis.launch import LaunchMeasurement, Watch, balance_of, crossings, measure_launch, read_watch
 from beadband.analysis.measurement import measure
 from beadband.analysis.trajectory import Trajectory, read, read_mdanalysis
-from beadband.contact import Support
 from beadband.engine import Follow, run_script
 from beadband.errors import BeadbandError, RunError, explain
 from beadband.follow import reading_own_files
-from beadband.launch_plan import CORE_DEPTH, SHORTEST_STRETCH, LaunchPlan, launch_plan_of
-from beadband.launch_results import Launch, LaunchEstimate, as_dict, stored_launch_estimate
+from beadband.launching.contact import Support
+from beadband.launching.plan import CORE_DEPTH, SHORTEST_STRETCH, LaunchPlan, launch_plan_of
+from beadband.launching.results import Launch, LaunchEstimate, as_dict, stored_launch_estimate
 from beadband.plan import Plan
 from beadband.release import Clock, Progress
 from beadband.results import Estimate, Run, stored_estimate, to_json

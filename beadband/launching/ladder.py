@@ -39,7 +39,7 @@ def ladder(scene: Scene, beads: Sequence[int] = BEADS) -> list[Ladder]:
 
     A loss time of the user's stays; the numerical one goes with the mesh, and convergence is then of its order.
     """
-    from beadband.launch import follow_launch
+    from beadband.launching.launch import follow_launch
 
     found = []
     for count in beads:
