@@ -7,6 +7,7 @@ from pathlib import Path
 
 from beadband import release
 from beadband.analysis import launch_pictures, pictures
+from beadband.analysis.trajectory import Trajectory
 from beadband.errors import UsageError, explain
 from beadband.folder import LAUNCH_SCRIPT
 from beadband.launching import launch
@@ -43,6 +44,13 @@ def plot(folder: str | os.PathLike[str]) -> list[Path]:
     if _launched(folder):
         return launch_pictures.draw(launch.remeasure(folder), launch.frames(folder), folder)
     return pictures.draw(release.remeasure(folder), release.frames(folder), folder)
+
+
+def followed(folder: str | os.PathLike[str]) -> tuple[Run, Trajectory]:
+    """A run measured again, and the whole ring over time; UsageError where the folder is not that of a whole run."""
+    if _launched(folder):
+        return launch.remeasure(folder).run, launch.frames(folder)
+    return release.remeasure(folder), release.frames(folder)
 
 
 def _launched(folder: str | os.PathLike[str]) -> bool:

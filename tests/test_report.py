@@ -250,7 +250,7 @@ def test_what_is_no_finished_run_is_refused(
         assert not list(tmp_path.glob("*.html")) + list(tmp_path.glob("*.gif"))
         return said.err
 
-    for name in (files.SCENE, files.TRAJECTORY, files.ENERGY):
+    for name in (files.SCENE, files.TRAJECTORY, files.REAR, files.ENERGY):
         (tmp_path / name).write_bytes((default_run[1] / name).read_bytes())
     assert "without results.json" in refused()
     (tmp_path / files.RESULTS).write_text("{")

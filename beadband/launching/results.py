@@ -130,6 +130,14 @@ def _depth_share(done: Launch) -> float:
     return max(done.found.depth_m, 0.0) / done.plan.scene.band.thickness_m
 
 
+def error_key(name: str) -> str:
+    """Name under which a figure's error stands: ``error`` before the unit, as in ``rebound_speed_error_m_s``."""
+    for unit in ("_m_s", "_n_s", "_s"):
+        if name.endswith(unit):
+            return f"{name.removesuffix(unit)}_error{unit}"
+    return f"{name}_error"
+
+
 def _momentum_error(done: Launch) -> float:
     return abs(done.found.impulse_n_s - done.found.momentum_n_s) / abs(done.found.momentum_n_s)
 
@@ -182,7 +190,7 @@ def as_dict(done: Launch) -> dict[str, Any]:
     }
     values["launch"] = {
         **measured,
-        **{f"{name}_error": value for name, value in errors.items() if value is not None},
+        **{error_key(name): value for name, value in errors.items() if value is not None},
         "finger_impulse_n_s": found.impulse_n_s,
         "finger_force_n": float(done.watch.force_n[0]),
         "finger": {
@@ -236,7 +244,7 @@ def text(done: Launch) -> str:
     launch = values["launch"]
 
     def with_error(name: str, factor: float = 1.0) -> str:
-        value, error = launch[name], launch.get(f"{name}_error")
+        value, error = launch[name], launch.get(error_key(name))
         if error is None:
             return f"{value * factor:.4g}"
         digits = max(0, 1 - math.floor(math.log10(error * factor))) if error > 0.0 else 4

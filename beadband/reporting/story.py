@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beadband import folder as files
-from beadband.analysis.measurement import Balance, balance
-from beadband.analysis.trajectory import read_energies
+from beadband.analysis.measurement import Balance
 from beadband.beam import at_rest_curvature, eq7_curvature
 from beadband.errors import UsageError, explain
 from beadband.scales import SPEED_WINDOW
@@ -103,15 +102,14 @@ class Story:
 
 def read_story(folder: str | os.PathLike[str]) -> Story:
     """The story of a finished run, from its folder alone; UsageError when it is not one, or can't be understood."""
-    from beadband import release
+    from beadband import driver
 
     path = files.require(folder, files.RESULTS, files.SCENE, files.TRAJECTORY, files.ENERGY)
     results = _stored(path / files.RESULTS)
-    plan = release.stored_plan(path)
-    ring = release.frames(path)
-    energies = balance(plan, read_energies(path / files.ENERGY))
+    run, ring = driver.followed(path)
     try:
-        return tell(results, ring.times_s(plan.timestep_s), ring.positions_m, energies, path.resolve().name)
+        times = ring.times_s(run.plan.timestep_s)
+        return tell(results, times, ring.positions_m, run.balance, path.resolve().name)
     except (KeyError, TypeError, IndexError, ValueError) as error:
         raise UsageError(
             explain(
