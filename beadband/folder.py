@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
@@ -181,10 +181,14 @@ def bond_table(strand: Strand, strain: float) -> str:
     )
 
 
-def with_variables(name: str, variables: dict[str, int | float]) -> str:
-    """A script of :mod:`beadband.lmp_inputs` under the variables that it needs, to the last digit."""
+def with_variables(name: str, variables: Mapping[str, int | float | str]) -> str:
+    """A script of :mod:`beadband.lmp_inputs` under the variables that it needs, numbers to the last digit.
+
+    Texts are words of the scripts' own (a style, its coefficients), never a user's.
+    """
     text = files("beadband.lmp_inputs").joinpath(name).read_text(encoding="utf-8")
-    lines = (f"variable        {key} index {format(value, '.17g')}\n" for key, value in variables.items())
+    values = {key: f'"{value}"' if isinstance(value, str) else format(value, ".17g") for key, value in variables.items()}
+    lines = (f"variable        {key} index {value}\n" for key, value in values.items())
     return "".join(lines) + "\n" + text
 
 
