@@ -29,6 +29,12 @@ LOG = "log.lammps"
 TABLE_POINTS = 2001
 DEEPEST_STRETCH = 0.3
 """Where the bond table begins."""
+MOST_ENERGY = 1.05
+"""Share of the held energy above which a run has blown up; sound ones stay within a per cent."""
+GUARD_STEPS = 200
+"""Steps between looks at the energy."""
+WIDEST_STRAIN = 1.6
+"""Where the bond table ends, over the held strain."""
 _NEVER = 2_000_000_000
 _LOSS_SAMPLES = 8
 """Times in a frame at which the power of the dashpots is taken."""
@@ -68,6 +74,34 @@ def create(out: str | os.PathLike[str]) -> Path:
             "a new or empty folder",
             "choose another with --out, or remove it first",
         )
+    )
+
+
+def claim(folder: Path, text: str) -> None:
+    """Put scene.toml into a folder that has none: of two runs that found it empty, one gets it.
+
+    UsageError for the other, RunError when the disk refuses.
+    """
+    try:
+        handle = os.open(folder / SCENE, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    except FileExistsError as error:
+        raise UsageError(
+            explain(
+                "another run has just taken the output folder",
+                f"{str(folder)!r} with a {SCENE}",
+                "a folder for each run",
+                "choose another with --out",
+            )
+        ) from error
+    except OSError as error:
+        raise _refused(folder / SCENE, error) from error
+    os.close(handle)
+    write_text(folder / SCENE, text)
+
+
+def _refused(path: Path, error: OSError) -> RunError:
+    return RunError(
+        explain("a file could not be written", f"{str(path)!r} ({error.strerror})", "a disk with room", "free some")
     )
 
 
@@ -117,9 +151,7 @@ def write_text(path: Path, text: str, durable: bool = False) -> None:
                 os.fsync(handle.fileno())
         os.replace(partial, path)
     except OSError as error:
-        raise RunError(
-            explain("a file could not be written", f"{str(path)!r} ({error.strerror})", "a disk with room", "free some")
-        ) from error
+        raise _refused(path, error) from error
 
 
 def write_inputs(folder: Path, plan: Plan, ring: Ring, pictures: bool = True) -> None:
@@ -166,9 +198,12 @@ Masses
 
 
 def bond_table(strand: Strand, strain: float) -> str:
-    """Energy and force of a bond from deep compression to a quarter beyond the held strain."""
+    """Energy and force of a bond from deep compression to well beyond the held strain.
+
+    Ahead of a shock without loss bonds ring about the held stretch, and more where the finger throws them back.
+    """
     law, a, area = strand.law, strand.spacing_m, strand.area_m2
-    stretch = np.linspace(DEEPEST_STRETCH, 1.0 + 1.25 * strain, TABLE_POINTS)
+    stretch = np.linspace(DEEPEST_STRETCH, 1.0 + WIDEST_STRAIN * strain, TABLE_POINTS)
     energy, force = a * area * law.energy(stretch), -area * law.stress(stretch)
     slopes = [-area * float(law.tangent(stretch[end])) / a for end in (0, -1)]
     rows = "".join(
@@ -212,6 +247,10 @@ def script(plan: Plan, ring: Ring, pictures: bool) -> str:
         "rear_steps": plan.rear_steps,
         "frame_steps": plan.frame_steps if pictures else _NEVER,
         "frame_average": plan.frame_steps if pictures else 1,
+        "spacing": strand.spacing_m,
+        "largest_timestep": plan.largest_timestep_s,
+        "most_energy": MOST_ENERGY * (ring.stretching_j + ring.bending_j),
+        "guard_steps": GUARD_STEPS,
         "loss_every": loss_every if pictures else 1,
         "loss_average": plan.frame_steps // loss_every if pictures else 1,
     }

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 # Bounds of the physics checks: what a sound run stays well below.
 ENERGY_BOUND = 0.02
 ASYMMETRY_BOUND = 1e-6
+CONVERGENCE_BOUND = 0.05
+"""Relative error of the rebound speed beyond which it counts as not known, unless the tolerance asks for little more."""
+_TOLERANCES = 5.0
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,13 @@ def failed_checks(run: Run) -> list[str]:
         failures.append(
             f"the release is not symmetric: the tip left the axis by {asymmetry:.2g} of the leg, "
             f"allowed {ASYMMETRY_BOUND:.0e}"
+        )
+    error, value = speed_error_m_s(run), abs(run.measurement.speed_m_s.value)
+    bound = max(CONVERGENCE_BOUND, _TOLERANCES * run.plan.scene.tolerance)
+    if not error <= bound * value:
+        failures.append(
+            f"the rebound speed is not converged: with {run.plan.beads} beads its error is "
+            f"{error / value if value else math.inf:.2g} of it, allowed {bound:.2g}; raise --beads or leave it out"
         )
     return failures
 
@@ -147,6 +157,10 @@ def as_dict(run: Run) -> dict[str, Any]:
         "estimate": None if estimate is None else asdict(estimate),
         "checks": {
             "energy_balance": {"value": energy.error, "bound": ENERGY_BOUND},
+            "convergence": {
+                "value": speed_error_m_s(run) / abs(found.speed_m_s.value),
+                "bound": max(CONVERGENCE_BOUND, _TOLERANCES * scene.tolerance),
+            },
             "asymmetry": {"value": rear.asymmetry_m / wedge.leg_m, "bound": ASYMMETRY_BOUND},
             "failed": failed_checks(run),
         },
