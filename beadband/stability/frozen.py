@@ -117,22 +117,28 @@ def dashpots(chain: Chain, points: Array, loss_time_s: float) -> Array:
     return bands
 
 
-def largest_step_s(chain: Chain, points: Array, loss_time_s: float = 0.0) -> float:
-    """Largest stable step of velocity Verlet in this very shape, s: where 4 M - dt^2 K - 2 dt C loses definiteness."""
+def largest_step_s(chain: Chain, points: Array, loss_time_s: float = 0.0, at_most_s: float = math.inf) -> float:
+    """Largest stable step of velocity Verlet in this very shape, s: where 4 M - dt^2 K - 2 dt C loses definiteness.
+
+    ``at_most_s`` is returned where the limit is not below it.
+    """
     stiff, damping = stiffness(chain, points), dashpots(chain, points, loss_time_s)
     mass = chain.strand.bead_mass_kg * chain.shares
-    # A step that is surely too large: no mode is slower than the largest diagonal term.
+
+    def stable(step: float) -> bool:
+        return _definite(chain, mass, step**2 * stiff + 2.0 * step * damping)
+
+    if math.isfinite(at_most_s) and stable(at_most_s):
+        return at_most_s
+    # A step that is surely too large: no largest mode is slower than the largest diagonal term.
     diagonal = np.einsum("ijj->ij", stiff[:, 2])[chain.free] / mass[chain.free, None]
-    high = 2.0 / math.sqrt(float(diagonal.max()))
-    low = 0.0
-    for _ in range(40):
+    low, high = 0.0, min(2.0 / math.sqrt(float(diagonal.max())), at_most_s)
+    while high - low > 1e-6 * high:
         middle = 0.5 * (low + high)
-        if _definite(chain, mass, middle**2 * stiff + 2.0 * middle * damping):
+        if stable(middle):
             low = middle
         else:
             high = middle
-        if high - low < 1e-7 * high:
-            break
     return 0.5 * (low + high)
 
 
@@ -184,7 +190,10 @@ def _definite(chain: Chain, mass: Array, bands: Array) -> bool:
 
 def met(chain: Chain, shapes: Array, loss_time_s: float) -> float:
     """Smallest of the largest steps over the shapes that a run went through, (frames, beads, 2)."""
-    return min(largest_step_s(chain, points, loss_time_s) for points in shapes)
+    least = math.inf
+    for points in shapes:
+        least = largest_step_s(chain, points, loss_time_s, least)
+    return least
 
 
 def softened(chain: Chain, share: float) -> Chain:

@@ -37,6 +37,8 @@ class Options:
     finger_radius_m: float = 0.0
     """0 for a half-space."""
     finger_centre_m: tuple[float, float] = (0.0, 0.0)
+    legs: tuple[int, int] = (1, 1)
+    """Ids of the last bead of the upper leg and the first of the lower one, for a ring in a wedge."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +65,9 @@ def run(
     frame_steps: int,
     options: Options | None = None,
     energy_steps: int | None = None,
+    largest_step_s: float | None = None,
 ) -> Course:
-    """Follow a specimen; RunError when LAMMPS stops it."""
+    """Follow a specimen; RunError when LAMMPS stops it, which judges the step by ``largest_step_s``."""
     options = options or Options()
     strand = specimen.strand
     cutoff = specimen.cutoff_m or 3.8 * strand.spacing_m
@@ -80,6 +83,11 @@ def run(
         "finger_radius": options.finger_radius_m,
         "finger_x": options.finger_centre_m[0],
         "finger_y": options.finger_centre_m[1],
+        "beads": len(specimen.points_m),
+        "upper_last": options.legs[0],
+        "lower_first": options.legs[1],
+        "spacing": strand.spacing_m,
+        "largest_timestep": largest_step_s or timestep_s,
         "integrator": options.integrator,
         "timestep": timestep_s,
         "steps": steps,
