@@ -45,6 +45,8 @@ class Options:
 class Course:
     """How a trial went; arrays over frames, the first at 0."""
 
+    first_forces_n: Array
+    """Forces of frame 0, shape (beads, 2)."""
     steps: NDArray[np.int64]
     positions_m: Array
     """Shape (frames, beads, 2)."""
@@ -103,7 +105,14 @@ def run(
         run_script(folder, SCRIPT)
         frames = read(folder / files.TRAJECTORY)
         table = np.loadtxt(folder / files.ENERGY, ndmin=2)
-    return Course(frames.steps, frames.positions_m, table[:, 0].astype(np.int64), *table[:, 1:4].T)
+        count = len(specimen.points_m)
+        forces = np.loadtxt(folder / files.TRAJECTORY, skiprows=9, max_rows=count, ndmin=2)[:, 8:10]
+    return Course(forces, frames.steps, frames.positions_m, table[:, 0].astype(np.int64), *table[:, 1:4].T)
+
+
+def first_forces(specimen: Specimen, options: Options) -> Array:
+    """Forces on the beads of a specimen as it stands, N, shape (beads, 2)."""
+    return run(specimen, 1e-12, 0, 1, options).first_forces_n
 
 
 def grows(specimen: Specimen, timestep_s: float, steps: int, options: Options) -> bool:
