@@ -89,7 +89,9 @@ def _cause(vectors: Array, stretches: Array, worst: int, share: float) -> str:
         way = "length" if along >= across else "direction"
         return f"a time step at the limit of stability (bonds alternate in {way} from bead to bead)"
     if along > 0.5 or stretches[worst] < 1.0:
-        return "ringing or compression at the scale of the beads, which a front leaves behind where the loss is too small"
+        return (
+            "ringing or compression at the scale of the beads, which a front leaves behind where the loss is too small"
+        )
     return "a stretch that the held band never had: a start out of balance"
 
 

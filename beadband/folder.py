@@ -222,7 +222,9 @@ def with_variables(name: str, variables: Mapping[str, int | float | str]) -> str
     Texts are words of the scripts' own (a style, its coefficients), never a user's.
     """
     text = files("beadband.lmp_inputs").joinpath(name).read_text(encoding="utf-8")
-    values = {key: f'"{value}"' if isinstance(value, str) else format(value, ".17g") for key, value in variables.items()}
+    values = {
+        key: f'"{value}"' if isinstance(value, str) else format(value, ".17g") for key, value in variables.items()
+    }
     lines = (f"variable        {key} index {value}\n" for key, value in values.items())
     return "".join(lines) + "\n" + text
 

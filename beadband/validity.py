@@ -128,6 +128,4 @@ def held_thickness_m(scene: Scene) -> float:
 
 def held_tip_sharpness(scene: Scene) -> float:
     """Curvature times half thickness at the point-held tip, from the elastica: 2 sin((pi/2 - phi)/2)/l x h/2."""
-    return (
-        math.sin((math.pi / 2.0 - scene.half_angle_rad) / 2.0) * scene.band.thickness_m / bending_layer_m(scene)
-    )
+    return math.sin((math.pi / 2.0 - scene.half_angle_rad) / 2.0) * scene.band.thickness_m / bending_layer_m(scene)

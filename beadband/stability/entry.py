@@ -42,7 +42,9 @@ class Picture:
         """Draw onto matplotlib axes."""
         colours = ("#1f5fa8", "#c8601a", "#2c7d4f", "#8a3d8f", "#6b6b6b", "#b8322a")
         for curve, colour in zip(self.curves, colours * 4, strict=False):
-            axes.plot(curve.x, curve.y, curve.style, color=colour, label=curve.label or None, linewidth=1.1, markersize=4)
+            axes.plot(
+                curve.x, curve.y, curve.style, color=colour, label=curve.label or None, linewidth=1.1, markersize=4
+            )
         for level, name in self.levels:
             axes.axhline(level, color="#999999", linestyle="--", linewidth=1.0, label=name)
         if self.logx:

@@ -71,9 +71,7 @@ FORMS: dict[str, Form] = {
             "fourier",
         ),
         Form("cosine", "1 − cos ψ", lambda c: 1.0 - c, lambda c: -1.0 + 0.0 * c, "cosine"),
-        Form(
-            "harmonic", "ψ²/2", lambda c: 0.5 * np.arccos(np.clip(c, -1.0, 1.0)) ** 2, _harmonic_slope, "harmonic"
-        ),
+        Form("harmonic", "ψ²/2", lambda c: 0.5 * np.arccos(np.clip(c, -1.0, 1.0)) ** 2, _harmonic_slope, "harmonic"),
         Form(
             "tangent",
             "2 tan²(ψ/2)",

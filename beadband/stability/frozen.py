@@ -202,9 +202,7 @@ def softened(chain: Chain, share: float) -> Chain:
     return replace(chain, strand=strand)
 
 
-def respa_growth(
-    outer_rate2: Array, inner_rate2: Array, outer_loss: Array, step_s: float, inner_steps: int
-) -> Array:
+def respa_growth(outer_rate2: Array, inner_rate2: Array, outer_loss: Array, step_s: float, inner_steps: int) -> Array:
     """Largest factor per step by which modes grow under rRESPA, with outer and inner w^2 (1/s2) and outer c (1/s).
 
     The outer forces, dashpots among them, act as one kick a step; between two of them velocity Verlet takes
@@ -217,8 +215,6 @@ def respa_growth(
     drift = np.array([[one, h * one], [zero, one]])
     half, drift = (np.moveaxis(matrix, (0, 1), (-2, -1)) for matrix in (half, drift))
     inner = half @ drift @ half
-    kick = np.moveaxis(
-        np.array([[one, zero], [-step_s * outer_rate2, one - step_s * outer_loss]]), (0, 1), (-2, -1)
-    )
+    kick = np.moveaxis(np.array([[one, zero], [-step_s * outer_rate2, one - step_s * outer_loss]]), (0, 1), (-2, -1))
     whole = np.linalg.matrix_power(inner, inner_steps) @ kick
     return np.asarray(np.abs(np.linalg.eigvals(whole)).max(axis=-1), dtype=np.float64)

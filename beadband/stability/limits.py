@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
@@ -17,10 +15,9 @@ from beadband.scene import scene_of
 from beadband.stability import frozen, trials
 from beadband.stability.forms import FORMS
 from beadband.strand import Strand
-from beadband.verification.specimen import FREE, HELD, Array, Specimen, chain
+from beadband.verification.specimen import FREE, HELD, Specimen, chain
 from beadband.verification.statics import circle
 
-PROCESSES = 2
 BOUND = 0.03
 """How far measured and predicted may be apart."""
 _BONDS = 24
@@ -137,7 +134,9 @@ def _full() -> Iterator[Point]:
 def _special(quick: bool) -> Iterator[Point]:
     for form in FORMS:
         for turning in (12,) if quick else (8, 12, 24):
-            for beads, loss in ((2000, "none"),) if quick else ((400, "numerical"), (2000, "none"), (2000, "numerical")):
+            for beads, loss in (
+                ((2000, "none"),) if quick else ((400, "numerical"), (2000, "none"), (2000, "numerical"))
+            ):
                 # Near straight all forms are one; a bent ring tells them apart.
                 yield Point("III", "mooney-rivlin", beads, 1.0, loss, "bent", form, turning_beads=turning)
     for finger in (0.5, 10.0) if quick else (0.1, 0.5, 2.0, 10.0, 100.0):
@@ -257,21 +256,3 @@ def measure(point: Point) -> Limit:
     except BeadbandError as error:
         return Limit(point, step, math.nan, regime, str(error))
     return Limit(point, step, found, regime)
-
-
-def measure_all(chosen: Iterable[Point], progress: Callable[[int, int], None] | None = None) -> list[Limit]:
-    """Measure many specimens on two processes."""
-    asked = list(chosen)
-    found = []
-    # Spawned, for LAMMPS and MPI do not survive a fork.
-    with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
-        for limit in pool.map(measure, asked, chunksize=4):
-            found.append(limit)
-            if progress:
-                progress(len(found), len(asked))
-    return found
-
-
-def ratios(limits: list[Limit]) -> Array:
-    """Measured over predicted, those that could not be measured as NaN."""
-    return np.array([limit.ratio for limit in limits])

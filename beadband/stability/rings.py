@@ -27,9 +27,7 @@ _SHAPES = 60
 def specimen_of(plan: Plan, ring: Ring) -> Specimen:
     """The ring as a specimen: beads that lie on the finger are held, all others free."""
     types = np.where(ring.types == WRAPPED, HELD, FREE)
-    strip = chain(
-        plan.scene.strand(plan.beads), ring.positions_m, types, closed=True, strain=plan.scene.strain
-    )
+    strip = chain(plan.scene.strand(plan.beads), ring.positions_m, types, closed=True, strain=plan.scene.strain)
     return replace(strip, cutoff_m=dashpot_cutoff_m(ring))
 
 
@@ -147,7 +145,9 @@ def release_limit(values: dict[str, Any]) -> ReleaseLimit:
         return not total.max() <= MOST_ENERGY * total[0]
 
     found = trials.bisect(unstable, exact, sharpness=5e-3, reach=0.05)
-    name = ", ".join(f"{key} {value:g}" if isinstance(value, (int, float)) else f"{value}" for key, value in values.items())
+    name = ", ".join(
+        f"{key} {value:g}" if isinstance(value, (int, float)) else f"{value}" for key, value in values.items()
+    )
     # Without loss a shock rings: the plan warns about it.
     smooth = not any("rings" in warning for warning in plan.warnings)
     return ReleaseLimit(name, plan.largest_timestep_s, uniform, exact, found, least, smooth)
