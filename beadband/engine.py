@@ -112,7 +112,9 @@ def _complaint(text: str, instance: Any = None) -> str:
     """
     first = text.strip().splitlines()[0]
     message = re.sub(r"\s*\(\S+:\d+\)$", "", re.sub(r"^ERROR( on proc \d+)?:\s*", "", first))
-    if re.search(r"bond length|non-numeric|lost atoms|missing|not finite|fix-id guard", message, re.IGNORECASE):
+    if re.search(
+        r"bond length|illegal bond|non-numeric|lost atoms|missing|not finite|fix-id guard", message, re.IGNORECASE
+    ):
         from beadband.blowup import examine
 
         found = examine(instance) if instance is not None else None

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 ENERGY_BOUND = 0.02
 ASYMMETRY_BOUND = 1e-6
 CONVERGENCE_BOUND = 0.05
-"""Relative error of the rebound speed beyond which it counts as not known, unless the tolerance asks for little more."""
+"""Relative error beyond which the rebound speed counts as not known, unless the tolerance asks for little more."""
 _TOLERANCES = 5.0
 
 

@@ -109,7 +109,8 @@ def _bending(scene: Scene) -> list[str]:
     layer = bending_layer_m(scene) / wedge.reference_leg_m
     if layer > 0.25:
         found.append(
-            f"the held tip bends over {layer:.2g} of a leg: its legs are nowhere straight, and the wedge and its string "
+            f"the held tip bends over {layer:.2g} of a leg: its legs are nowhere straight, and the wedge and its "
+            f"string "
             "limit are not this band's"
         )
     if band.width_m is not None and band.width_m > WIDE * band.thickness_m:

@@ -106,10 +106,7 @@ def find(only: str | None = None, quick: bool = False, progress: Callable[[int, 
     if only in (None, MAP):
         points = limits.points(quick)
         work += [(MAP, points[first : first + 12]) for first in range(0, len(points), 12)]
-    if len(work) == 1:
-        results = [_work(*work[0], quick)]
-    else:
-        results = _shared(work, quick, progress)
+    results = [_work(*work[0], quick)] if len(work) == 1 else _shared(work, quick, progress)
     measured, released, entries, broken = [], [], [], []
     for (part, _), result in zip(work, results, strict=True):
         if isinstance(result, str):

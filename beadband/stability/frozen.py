@@ -93,10 +93,7 @@ def stiffness(chain: Chain, points: Array) -> Array:
             by = (forces(chain, points - change) - forces(chain, points + change)) / (2.0 * small)
             for offset in range(-2, 3):
                 rows = moved - offset  # bead i = moved - offset feels moved = i + offset
-                if chain.closed:
-                    inside = np.ones(len(rows), dtype=bool)
-                else:
-                    inside = (rows >= 0) & (rows < count)
+                inside = np.ones(len(rows), dtype=bool) if chain.closed else (rows >= 0) & (rows < count)
                 bands[rows[inside] % count, offset + 2, :, axis] = by[rows[inside] % count]
     return bands
 

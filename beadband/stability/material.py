@@ -63,8 +63,10 @@ def past_peak(quick: bool) -> Entry:
         "past-peak",
         "Band IV past its tension peak",
         f"Band IV's tension peaks at a stretch of {peak:.3f} (C10 < 0). Held at 2.8, unevenness of a thousandth grows "
-        f"{grown:.0f} times within {times[2.8][-1] * 1e3:.1f} ms: the strand necks in single bonds ({narrow} of {count - 1} above "
-        f"the peak, up to a stretch of {last.max():.2f}, on their way to tear; the others unload to {last.min():.2f}), so that "
+        f"{grown:.0f} times within {times[2.8][-1] * 1e3:.1f} ms: the strand necks in single bonds ({narrow} of "
+        f"{count - 1} above "
+        f"the peak, up to a stretch of {last.max():.2f}, on their way to tear; the others unload to "
+        f"{last.min():.2f}), so that "
         f"the answer hangs on the number of beads. At 2.3 the same unevenness dies to {kept:.2f} of itself.",
         "Such a scene is refused before anything is computed: " + refusal.split(";")[0] + ".",
         {
@@ -110,12 +112,14 @@ def beyond_table(quick: bool) -> Entry:
     return Entry(
         "beyond-table",
         "A stretch outside the bond table",
-        f"The law is tabulated from a stretch of {ends[0]:g} to {ends[1]:.3f} for a strain of {strain}; four beads torn off "
-        f"at {speeds[1]:g} m/s leave it, where a spline knows nothing (at {speeds[0]:g} m/s they reach {reached[0]:.2f} and "
-        "stay inside).",
-        "LAMMPS checks every bond at every step and stops at once; the line says which: '"
-        + said[1].split(": given")[0]
-        + "'.",
+        f"The law is tabulated from a stretch of {ends[0]:g} to {ends[1]:.3f} for a strain of {strain}; four beads "
+        f"torn "
+        f"off at {speeds[1]:g} m/s leave it, where a spline knows nothing (at {speeds[0]:g} m/s they reach "
+        f"{reached[0]:.2f} and stay inside). Within one interval beyond the end LAMMPS reads memory behind the table, "
+        f"so "
+        "that the forces there, and the end of a run that blows up, differ from one run to the next.",
+        f"LAMMPS checks every bond at every step and stops; the line says which: '{said[1].split(': given')[0]}'. The "
+        f"table reaches {WIDEST_STRAIN:g} times the held strain, which no sound release comes near.",
         {"table_from": ends[0], "table_to": ends[1], "reached_slow": reached[0]},
         Picture(
             "tension of a bond over its table",
@@ -150,14 +154,18 @@ def thick_band(quick: bool) -> Entry:
     return Entry(
         "thick-band",
         "A thick band on a small finger",
-        f"At a half-angle of {angle:g} degrees the finger's circle has a radius of {radii[0] * 1e3:.1f} mm to the middle of the "
-        f"band; a band of {thicknesses[first] * 1e3:g} mm has a half thickness of {half[first] * 1e3:.1f} mm when stretched, and "
+        f"At a half-angle of {angle:g} degrees the finger's circle has a radius of {radii[0] * 1e3:.1f} mm to the "
+        f"middle of the "
+        f"band; a band of {thicknesses[first] * 1e3:g} mm has a half thickness of {half[first] * 1e3:.1f} mm when "
+        f"stretched, and "
         + (
-            f"no room for a finger, yet a chain of beads is wound round it all the same and gives V = {speeds[first]:.1f} m/s."
+            f"no room for a finger, yet a chain of beads is wound round it all the same and gives V = "
+            f"{speeds[first]:.1f} m/s."
             if answered
             else "no room for a finger."
         ),
-        f"Refused with the numbers: {refused[first].split(';')[0]}. Above half of that a warning says that beam theory is "
+        f"Refused with the numbers: {refused[first].split(';')[0]}. Above half of that a warning says that beam "
+        f"theory is "
         "not accurate on the finger.",
         {"radius_m": radii[first], "half_thickness_m": float(half[first])},
         Picture(

@@ -16,24 +16,25 @@ if TYPE_CHECKING:
 _HEAD = """\
 # Stability: where the methods fail
 
-Written by `beadband stability{quick}`, with the numbers of that run. `beadband stability --only NAME` reproduces one
-entry; exit code 3 says that something did not come out as described here.
+Written by `beadband stability{quick}`, with the numbers of that run. `beadband stability --only NAME`
+reproduces one entry; exit code 3 says that something did not come out as described here.
 """
 _THEORY = """\
-LAMMPS takes the forces of dashpots from velocities half a step back. With masses M, stiffness K and dashpots C, a step dt
-of velocity Verlet is stable if and only if 4 M − dt² K − 2 dt C is positive definite (`beadband/stability/frozen.py`
-says why): exact for every shape, stretch, angle form and loss, and in closed form for a straight strand
-(`Strand.state_step_s`). Each point is a specimen shaken by a billionth of a spacing; bisection to 0.1 % finds where the
-shaking grows. A regime is what sets the limit: bonds (axial), angles (bending), the tension across the strand, dashpots,
-the contact with a finger, or resonance with the inner loop of rRESPA.
+LAMMPS takes the forces of dashpots from velocities half a step back. With masses M, stiffness K and dashpots C,
+a step dt of velocity Verlet is stable if and only if 4 M − dt² K − 2 dt C is positive definite
+(`beadband/stability/frozen.py` says why): exact for every shape, stretch, angle form and loss, and in closed
+form for a straight strand (`Strand.state_step_s`). Each point is a specimen shaken by a billionth of a spacing;
+bisection to 0.1 % finds where the shaking grows. A regime is what sets the limit: bonds (axial), angles
+(bending), the tension across the strand, dashpots, the contact with a finger, or resonance with the inner loop
+of rRESPA.
 """
 _RELEASES = """\
-A release has no one state. A uniform strand at the worst stretch that it meets has a limit that bounds the release's from
-below, for a chain that is nowhere stiffer has no smaller one; nearer is the smallest exact limit of the shapes that a run
-well below it went through. The release itself may come out above: a shape's limit may be passed for as few steps as the
-shape lasts. Smooth releases stay within 12 % above their worst shape; behind a shock without loss, where single bonds
-are pressed for a few steps at a time, up to twice the worst shape's is borne. The planned limit (of which a plan takes
-0.65) expects a compression before there is a run.
+A release has no one state. A uniform strand at the worst stretch that it meets has a limit that bounds the
+release's from below, for a chain that is nowhere stiffer has no smaller one; nearer is the smallest exact limit
+of the shapes that a run well below it went through. The release itself may come out above: a shape's limit may
+be passed for as few steps as the shape lasts. Smooth releases stay within 12 % above their worst shape; behind
+a shock without loss, where single bonds are pressed for a few steps at a time, up to twice the worst shape's is
+borne. The planned limit (of which a plan takes 0.65) expects a compression before there is a run.
 """
 
 
