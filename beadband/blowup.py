@@ -92,7 +92,7 @@ def _cause(vectors: Array, stretches: Array, worst: int, share: float) -> str:
         return (
             "ringing or compression at the scale of the beads, which a front leaves behind where the loss is too small"
         )
-    return "a stretch that the held band never had: a start out of balance"
+    return "a stretch that the held band never had: bending stiffer than its bonds, or a start out of balance"
 
 
 def examine(instance: Any) -> BlowUp | None:

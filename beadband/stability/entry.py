@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 class Curve:
     """A curve of a picture, or a set of points."""
 
-    x: Array
-    y: Array
+    x: NDArray[Any]
+    y: NDArray[Any]
     label: str = ""
     style: str = "-"
     """matplotlib's format of the line."""

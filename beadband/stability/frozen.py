@@ -107,8 +107,8 @@ def dashpots(chain: Chain, points: Array, loss_time_s: float) -> Array:
     block = chain.strand.dashpot_n_s_m(loss_time_s) * unit[:, :, None] * unit[:, None, :]
     first = np.arange(len(bonds))
     second = (first + 1) % count
-    np.add.at(bands, (first, 2), block)
-    np.add.at(bands, (second, 2), block)
+    bands[first, 2] += block
+    bands[second, 2] += block
     bands[first, 3] -= block
     bands[second, 1] -= block
     return bands

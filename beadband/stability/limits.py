@@ -190,7 +190,8 @@ def _transverse_rate2(strand: Strand, stretch: float, modes: Any) -> tuple[Any, 
 def _buckles(strand: Strand, stretch: float) -> bool:
     """Whether a specimen under a push gives way sideways: then it is kept on its line."""
     longest = math.sin(0.5 * math.pi / _BONDS) ** 2
-    return sum(_transverse_rate2(strand, stretch, longest)) <= 0.0
+    bending, tension = _transverse_rate2(strand, stretch, longest)
+    return bool(bending + tension <= 0.0)
 
 
 def _respa(point: Point, strand: Strand) -> float:

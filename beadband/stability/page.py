@@ -141,17 +141,17 @@ def draw(found: Found, folder: Path) -> None:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    style = {"font.size": 8, "axes.titlesize": 8}
+    style: dict[Any, Any] = {"font.size": 8, "axes.titlesize": 8}
     with matplotlib.rc_context(style):
         for entry in found.entries:
             figure, axes = pyplot.subplots(figsize=(4.6, 2.9), layout="constrained")
             entry.picture.draw(axes)
-            figure.savefig(folder / f"stability-{entry.name}.png", dpi=80)
+            figure.savefig(folder / f"stability-{entry.name}.png", dpi=72)
             pyplot.close(figure)
         if found.limits:
             figure, axes = pyplot.subplots(figsize=(7.0, 3.4), layout="constrained")
             _map(axes, found.limits)
-            figure.savefig(folder / "stability-map.png", dpi=90)
+            figure.savefig(folder / "stability-map.png", dpi=80)
             pyplot.close(figure)
 
 
