@@ -4,11 +4,10 @@
 
 Two processes work through the scenes; each is given ``--timeout`` seconds. A scene ends as
 
-* answered: the run finished, every number in its results is finite, its physics checks hold, and its speed is within its
-  own error bar of a converged one, and the curvature's figures within theirs;
+* answered: the run finished, every number in its results is finite, its physics checks hold, and its speed and its
+  curvature's figures are within their own error bars of converged ones;
 * failed check: the run finished and says itself which check it does not keep (exit code 3);
 * refused: a UsageError (exit 2) or RunError (exit 1) with its reason in one line;
-
 * set aside: its plan asks for more steps than there is time for here;
 
 or it is a fault: a number that is not finite, no end in time, any other exception, or a wrong answer that its error bar
