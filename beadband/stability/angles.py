@@ -50,10 +50,9 @@ def straight(quick: bool) -> Entry:
     return Entry(
         "angles-straight",
         "Angle forms near straight",
-        f"Forms in the angle itself divide by its sine, which LAMMPS does not let fall below 0.001: at smaller turning "
-        f"angles 'harmonic' and tables give too small a moment (off by {worst['harmonic']:.0%} and "
-        f"{worst['tangent']:.0%}), "
-        "so that a nearly straight band has no bending stiffness.",
+        "Forms in the angle itself divide by its sine, which LAMMPS does not let fall below 0.001: at smaller "
+        f"turning angles 'harmonic' and tables give too small a moment (off by {worst['harmonic']:.0%} and "
+        f"{worst['tangent']:.0%}), so that a nearly straight band has no bending stiffness.",
         f"Polynomials in the cosine have no such division: beadband's u + u²/6 is right to {worst['beadband']:.0e} at "
         "these angles, as far as the cosine's own rounding lets any form be.",
         {f"worst_error_{name}": value for name, value in worst.items()},
@@ -84,14 +83,12 @@ def folded(quick: bool) -> Entry:
         "angles-folded",
         "Angle forms near a fold",
         f"At a turning angle of 150 degrees the cosine form has gone soft (moment {values['cosine']:.2f} K, falling "
-        f"since 90 "
-        f"degrees: stiffness {softest:.2f} K, so that a fold stays folded), and 2 tan²(ψ/2) has blown up "
+        f"since 90 degrees: stiffness {softest:.2f} K, so that a fold stays folded), and 2 tan²(ψ/2) has blown up "
         f"({values['tangent']:.0f} K, {stiffest['tangent']:.0f} times as stiff as straight: the step falls by "
         f"{math.sqrt(stiffest['tangent']):.0f}).",
-        f"u + u²/6 follows ψ²/2 to the fourth order up to the right angles of a coarse held tip and stays between the "
-        f"two ({values['beadband']:.2f} K at 150 degrees against {values['harmonic']:.2f} K), its stiffness nowhere "
-        f"above "
-        f"{stiffest['beadband']:.2f} K: a bend never lowers the step.",
+        f"u + u²/6 follows ψ²/2 to the fourth order and stays between the two ({values['beadband']:.2f} K at 150 "
+        f"degrees against {values['harmonic']:.2f} K), its stiffness nowhere above {stiffest['beadband']:.2f} K: a "
+        "bend never lowers the step.",
         {
             **{f"moment_at_150_deg_{name}_k": value for name, value in values.items()},
             "stiffest_tangent_k": stiffest["tangent"],

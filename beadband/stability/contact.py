@@ -66,13 +66,10 @@ def stiffness(quick: bool) -> Entry:
         "finger-stiffness",
         "A finger too soft, or too stiff",
         f"A strand that hits a finger at {_SPEED:g} m/s sinks into it by {share_of_radius[0]:.0%} of its radius with "
-        f"a contact "
-        f"of {shares[0]:g} bonds' stiffness (at a depth of 0.1 mm) and by {share_of_radius[-1]:.1%} with "
-        f"{shares[-1]:g}; the "
-        f"stiff contact lets the largest step fall to {fall[-1]:.2f} of the chain's.",
+        f"a contact of {shares[0]:g} bonds' stiffness (at a depth of 0.1 mm) and by {share_of_radius[-1]:.1%} with "
+        f"{shares[-1]:g}; the stiff contact lets the largest step fall to {fall[-1]:.2f} of the chain's.",
         "A release needs no contact: beads on the finger stay where they are until the front arrives, and --until "
-        "launch is "
-        "refused in this version. The limit with a contact is exact (regime 'contact' of the map).",
+        "launch is refused in this version. The limit with a contact is exact (regime 'contact' of the map).",
         {
             "depth_over_radius_soft": float(share_of_radius[0]),
             "depth_over_radius_stiff": float(share_of_radius[-1]),
@@ -133,14 +130,11 @@ def through(quick: bool) -> Entry:
     return Entry(
         "through-finger",
         "A band through the finger",
-        f"Contact acts on beads: where they are 4 finger radii apart the finger slips between two of them, and the "
-        f"strand goes "
-        f"through it (its middle gets to {coarse:+.2f} radii, the far side), while beads half a radius apart hold it "
-        f"back "
-        f"({fine:+.2f} radii, the near side being -1).",
-        "The held ring needs at least three beads of a half on the finger, or the scene is refused; a plan has "
-        "dozens. No bead "
-        "moves on the finger during a release.",
+        "Contact acts on beads: where they are 4 finger radii apart the finger slips between two of them, and the "
+        f"strand goes through it (its middle gets to {coarse:+.2f} radii, the far side), while beads half a radius "
+        f"apart hold it back ({fine:+.2f} radii, the near side being -1).",
+        "The held ring needs at least three beads of a half on the finger, or the scene is refused, and no bead on "
+        "the finger moves during a release.",
         {"highest_over_radius_coarse": coarse, "highest_over_radius_fine": fine},
         Picture(
             "height of the strand under the middle of the finger",

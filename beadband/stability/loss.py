@@ -46,14 +46,12 @@ def no_loss(quick: bool) -> Entry:
     return Entry(
         "no-loss",
         "No loss at a shock",
-        f"A Mooney-Rivlin band unloads through a shock, which must dissipate; without dashpots the energy goes into "
+        "A Mooney-Rivlin band unloads through a shock, which must dissipate; without dashpots the energy goes into "
         f"ringing from bead to bead of strain {ringing[0.0, fine]:.2g} (rms), {kept:.2f} times as large with "
         f"{fine // counts[0]} times the beads, and V is off by {error:+.2%}. No refinement cures it: the limit of "
-        f"beads "
-        "without loss is not the band.",
+        "beads without loss is not the band.",
         f"A plan gives every bond a dashpot that vanishes with the spacing (ringing {ringing[None, fine]:.1g}, V "
-        f"moves by "
-        f"{spread:.2%} on doubling the beads); --loss-time 0 with such a law is run, and warned about.",
+        f"moves by {spread:.2%} on doubling the beads); --loss-time 0 with such a law is run, and warned about.",
         {
             "ringing_no_loss": ringing[0.0, fine],
             "ringing_over_that_of_fewest_beads": kept,
@@ -83,11 +81,9 @@ def much_loss(quick: bool) -> Entry:
         "Too much loss",
         f"A loss time of {losses[-1]:.0e} s spreads the front over more than a leg: V changes by {change[-1]:+.1%} "
         f"(at {losses[0]:.0e} s by {change[0]:+.2%}), and what is computed is a viscous band. The step falls as one "
-        f"over "
-        f"the loss time: {steps[-1] / steps[0]:.0f} times the steps.",
-        "The planned loss is a fifth of the front's time from bead to bead. A loss of the user's is taken as physics, "
-        "and "
-        "warned about once it spreads the front over a tenth of a leg.",
+        f"over the loss time: {steps[-1] / steps[0]:.0f} times the steps.",
+        "The planned loss is a fifth of the front's time from bead to bead. A loss of the user's is taken as "
+        "physics, and warned about once it spreads the front over a tenth of a leg.",
         {
             "speed_change_least_loss": float(change[0]),
             "speed_change_most_loss": float(change[-1]),
@@ -135,12 +131,12 @@ def rebound(quick: bool) -> Entry:
         "rebound",
         "Compression after the rebound",
         f"A strand of strain {strain} let go at one end is slack when the front reaches the other, and thrown back it "
-        f"is "
-        f"pressed to a stretch of {least:.2f}; a push that bending can't bear buckles it, and an imperfection of "
+        f"is pressed to a stretch of {least:.2f}; a push that bending can't bear buckles it, and an imperfection of "
         f"{before:.1e} bonds grows to {after:.2g} bonds. The shape of the buckles comes from noise and is nobody's "
-        f"answer.",
-        "A release ends when the front arrives at the finger, before anything is thrown back; the step allows for the "
-        f"compression that bonds meet until then (the default is planned for {plan.largest_timestep_s:.3g} s at most).",
+        "answer.",
+        "A release ends when the front arrives at the finger, before anything is thrown back; the step allows for "
+        f"the compression that bonds meet until then (the default is planned for {plan.largest_timestep_s:.3g} s at "
+        "most).",
         {"least_stretch": least, "sideways_before_bonds": before, "sideways_after_bonds": after},
         Picture(
             "a strand let go at one end",

@@ -64,10 +64,9 @@ def past_peak(quick: bool) -> Entry:
         "Band IV past its tension peak",
         f"Band IV's tension peaks at a stretch of {peak:.3f} (C10 < 0). Held at 2.8, unevenness of a thousandth grows "
         f"{grown:.0f} times within {times[2.8][-1] * 1e3:.1f} ms: the strand necks in single bonds ({narrow} of "
-        f"{count - 1} above "
-        f"the peak, up to a stretch of {last.max():.2f}, on their way to tear; the others unload to "
-        f"{last.min():.2f}), so that "
-        f"the answer hangs on the number of beads. At 2.3 the same unevenness dies to {kept:.2f} of itself.",
+        f"{count - 1} above the peak, up to a stretch of {last.max():.2f}, on their way to tear; the others unload to "
+        f"{last.min():.2f}), so that the answer hangs on the number of beads. At 2.3 the same unevenness dies to "
+        f"{kept:.2f} of itself.",
         "Such a scene is refused before anything is computed: " + refusal.split(";")[0] + ".",
         {
             "growth_at_2.8": grown,
@@ -113,11 +112,9 @@ def beyond_table(quick: bool) -> Entry:
         "beyond-table",
         "A stretch outside the bond table",
         f"The law is tabulated from a stretch of {ends[0]:g} to {ends[1]:.3f} for a strain of {strain}; four beads "
-        f"torn "
-        f"off at {speeds[1]:g} m/s leave it, where a spline knows nothing (at {speeds[0]:g} m/s they reach "
+        f"torn off at {speeds[1]:g} m/s leave it, where a spline knows nothing (at {speeds[0]:g} m/s they reach "
         f"{reached[0]:.2f} and stay inside). Within one interval beyond the end LAMMPS reads memory behind the table, "
-        f"so "
-        "that the forces there, and the end of a run that blows up, differ from one run to the next.",
+        "so that the forces there, and the end of a run that blows up, differ from one run to the next.",
         f"LAMMPS checks every bond at every step and stops; the line says which: '{said[1].split(': given')[0]}'. The "
         f"table reaches {WIDEST_STRAIN:g} times the held strain, which no sound release comes near.",
         {"table_from": ends[0], "table_to": ends[1], "reached_slow": reached[0]},
@@ -155,18 +152,16 @@ def thick_band(quick: bool) -> Entry:
         "thick-band",
         "A thick band on a small finger",
         f"At a half-angle of {angle:g} degrees the finger's circle has a radius of {radii[0] * 1e3:.1f} mm to the "
-        f"middle of the "
-        f"band; a band of {thicknesses[first] * 1e3:g} mm has a half thickness of {half[first] * 1e3:.1f} mm when "
-        f"stretched, and "
+        f"middle of the band; a band of {thicknesses[first] * 1e3:g} mm has a half thickness of "
+        f"{half[first] * 1e3:.1f} mm when stretched, and "
         + (
-            f"no room for a finger, yet a chain of beads is wound round it all the same and gives V = "
+            "no room for a finger, yet a chain of beads is wound round it all the same and gives V = "
             f"{speeds[first]:.1f} m/s."
             if answered
             else "no room for a finger."
         ),
         f"Refused with the numbers: {refused[first].split(';')[0]}. Above half of that a warning says that beam "
-        f"theory is "
-        "not accurate on the finger.",
+        "theory is not accurate on the finger.",
         {"radius_m": radii[first], "half_thickness_m": float(half[first])},
         Picture(
             "finger and band",

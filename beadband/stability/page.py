@@ -67,8 +67,9 @@ def text(found: Found) -> str:
     for entry in found.entries:
         verdict = "" if entry.held else "\n**Did not come out as described.**\n"
         parts.append(
-            f"### {entry.title}\n\n{entry.failure}\n\n**What beadband does.** {entry.answer}\n{verdict}\n"
-            f"![{entry.title}](stability-{entry.name}.png)\n\n`beadband stability --only {entry.name}`\n"
+            f"### {entry.title}\n\n{entry.failure}\n\n**What beadband does.** "
+            f"{entry.answer}\n{verdict}\n![{entry.title}](stability-{entry.name}.png)\n\n`beadband stability --only "
+            f"{entry.name}`\n"
         )
     for name, reason in found.broken:
         parts.append(f"### {name}\n\n**Could not be finished**: {reason}\n")
@@ -87,8 +88,8 @@ def _limits(limits: Sequence[Limit]) -> str:
     worst = max(limits, key=lambda limit: abs(limit.ratio - 1.0) if math.isfinite(limit.ratio) else math.inf)
     held = sum(limit.held for limit in limits)
     rows.append(
-        f"\n{held} of {len(limits)} points within {BOUND:.0%}; the worst is {worst.ratio:.4f} ({worst.point.name}).\n\n"
-        "![measured over predicted](stability-map.png)\n"
+        f"\n{held} of {len(limits)} points within {BOUND:.0%}; the worst is {worst.ratio:.4f} "
+        f"({worst.point.name}).\n\n![measured over predicted](stability-map.png)\n"
     )
     return "\n".join(rows)
 

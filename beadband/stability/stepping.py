@@ -47,13 +47,11 @@ def step_limit(quick: bool) -> Entry:
         "step-limit",
         "A step at 0.9, 1.0 and 1.1 of the limit",
         f"At 0.9 of the limit the energy never rises above {steady:.4f} of the held one and nothing warns; at 1.1 it "
-        f"grows "
-        f"without bound and bonds leave their table after {kept[1.1]:.0%} of the run. The growth alternates from bead "
-        f"to bead "
-        "and from step to step, which is how it announces itself.",
+        f"grows without bound and bonds leave their table after {kept[1.1]:.0%} of the run. The growth alternates "
+        "from bead to bead and from step to step, which is how it announces itself.",
         f"A plan takes 0.65 of a limit that lies below the measured one ({found.measured_s / found.planned_s:.2f} of "
-        f"the "
-        "planned here), a larger --timestep than that limit is refused, and a run that gains energy stops within 200 "
+        "the planned here), a larger --timestep than that limit is refused, and a run that gains energy stops within "
+        "200 "
         "steps: '" + said.split(": given")[0] + "'.",
         {
             "energy_at_0.9": steady,
@@ -97,14 +95,12 @@ def resonance(quick: bool) -> Entry:
     return Entry(
         "respa-resonance",
         "Resonance of rRESPA",
-        f"With bonds in an inner loop of 4 steps and angles outside, the outer step does not reach 4 times Verlet's: "
-        f"from "
-        f"{first / verlet:.2f} of Verlet's limit on, kicks that come every half period of an inner motion (period of "
-        f"the "
-        f"fastest: {2.0 * math.pi / fastest / verlet:.2f} of Verlet's limit) drive it, in windows of the step.",
-        f"beadband uses plain velocity Verlet: bonds and angles cost the same, and one loop of LAMMPS can't be made "
-        f"cheaper "
-        f"by leaving either out. The exact map of rRESPA's growth agrees with {agree:.0%} of the trials.",
+        "With bonds in an inner loop of 4 steps and angles outside, the outer step does not reach 4 times Verlet's: "
+        f"from {first / verlet:.2f} of Verlet's limit on, kicks that come every half period of an inner motion "
+        f"(period of the fastest: {2.0 * math.pi / fastest / verlet:.2f} of Verlet's limit) drive it, in windows of "
+        "the step.",
+        "beadband uses plain velocity Verlet, which has one limit and no windows beyond it. "
+        f"The exact map of rRESPA's growth agrees with {agree:.0%} of the trials.",
         {"first_unstable_over_verlet": first / verlet, "agreement": agree},
         Picture(
             "growth by rRESPA",
@@ -149,11 +145,10 @@ def drift(quick: bool) -> Entry:
         "energy-drift",
         "Drift of the energy over very many steps",
         f"Over {steps:.3g} steps without loss the energy of a ring of {count} shaken beads swings by {swing:.1e} of "
-        f"itself, as "
-        f"velocity Verlet's does, and its mean changes by {change:+.1e} from the first half to the second (twice its "
-        f"standard error is {error:.0e}).",
-        "A release takes some thousand steps, over which nothing of this can add up; the balance of energy is checked "
-        "after every run, to 2 %.",
+        f"itself, as velocity Verlet's does, and its mean changes by {change:+.1e} from the first half to the second "
+        f"(twice its standard error is {error:.0e}).",
+        "A release takes some thousand steps, over which nothing of this can add up; the balance of energy is "
+        "checked after every run, to 2 %.",
         {"steps": float(steps), "swing": swing, "change_of_mean": change},
         Picture(
             "energy of a ring of 12 beads",
@@ -190,13 +185,11 @@ def single_precision(quick: bool) -> Entry:
     return Entry(
         "single-precision",
         "Single precision in the analysis",
-        f"Rounded to 24 bits, positions of a band of 0.2 m are off by some 1e-9 m, and a curvature divides that by "
-        f"the square of "
-        f"the spacing: {noises[counts.index(520)]:.2g} /m of noise with 520 beads, growing as the spacing to the "
-        f"{order_found:.1f}.",
-        "Positions are written with 12 to 15 digits and read in double precision, through MDAnalysis too, which would "
-        "round "
-        "its own copy: the columns are taken as additional data.",
+        "Rounded to 24 bits, positions of a band of 0.2 m are off by some 1e-9 m, and a curvature divides that by "
+        f"the square of the spacing: {noises[counts.index(520)]:.2g} /m of noise with 520 beads, growing as the "
+        f"spacing to the {order_found:.1f}.",
+        "Positions are written with 12 to 15 digits and read in double precision, through MDAnalysis too, which "
+        "would round its own copy: the columns are taken as additional data.",
         {"noise_520_beads_1_m": noises[counts.index(520)], "order": order_found},
         Picture(
             "curvature of a straight leg",

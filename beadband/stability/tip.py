@@ -43,14 +43,11 @@ def sharp_corner(quick: bool) -> Entry:
         "sharp-corner",
         "A sharp-cornered start",
         f"Straight legs that meet in one bead store {sharp[0] * 1e3:.2g} mJ of bending in it with {counts[0]} beads "
-        f"and "
-        f"{growth:.2f} times as much on every doubling: the corner's energy has no limit. Half of it rings at the "
-        f"scale of "
-        f"the beads for good, and the tip curvature scatters by {rough:.0f} /m with {released[-1]} beads, "
+        f"and {growth:.2f} times as much on every doubling: the corner's energy has no limit. Half of it rings at the "
+        f"scale of the beads for good, and the tip curvature scatters by {rough:.0f} /m with {released[-1]} beads, "
         f"{scatter[released[0]][0]:.0f} /m with {released[0]}.",
-        f"The held shape is solved for, in equilibrium of the very energies that LAMMPS integrates: the energy of its "
-        f"tip "
-        f"is {rounded[-1] * 1e3:.3g} mJ and changes by {change:+.1%} on the last doubling.",
+        "The held shape is solved for, in equilibrium of the very energies that LAMMPS integrates: the energy of its "
+        f"tip is {rounded[-1] * 1e3:.3g} mJ and changes by {change:+.1%} on the last doubling.",
         {
             "corner_energy_growth_on_doubling": growth,
             "held_energy_change_on_doubling": change,
@@ -125,12 +122,11 @@ def ringing(quick: bool) -> Entry:
     return Entry(
         "tip-ringing",
         "Ringing of the released tip, and aliases of it",
-        f"Letting go of a point excites bending from bead to bead, which stays at the tip with a period of about "
+        "Letting go of a point excites bending from bead to bead, which stays at the tip with a period of about "
         f"{period / step:.1f} steps. Frames {every} steps apart show it as a slower motion that is not there: the tip "
         f"curvature scatters by {rough:.2g} /m about its running mean.",
         f"Frames hold averages over the interval before them (scatter {calm:.2g} /m), V is the slope of the tip's "
-        f"path, and "
-        "curvatures are compared as means over a window.",
+        "path, and curvatures are compared as means over a window.",
         {"scatter_sampled_1_m": rough, "scatter_averaged_1_m": calm, "mode_period_steps": period / step},
         Picture(
             "curvature of the tip",
@@ -175,11 +171,9 @@ def few_beads(quick: bool) -> Entry:
         "Fewer beads than the bending layer needs",
         f"The held tip bends over {bending_layer_m(coarse.scene) * 1e3:.2g} mm; with {counts[0]} beads the spacing is "
         f"{spacings[0]:.1f} of that and the tip curvature at 0.1 t_f is off by {errors[0]:.0%}, with {counts[-2]} "
-        f"beads "
-        f"({spacings[-2]:.2g}) by {errors[-1]:.1%}. V forgives it: {abs(speeds[0] / speeds[-1] - 1.0):.1%}.",
+        f"beads ({spacings[-2]:.2g}) by {errors[-1]:.1%}. V forgives it: {abs(speeds[0] / speeds[-1] - 1.0):.1%}.",
         "A plan for the curvature puts beads closer than 0.6 of the layer; where the user insists on fewer, no "
-        "curvature "
-        "is reported beyond 1.5 of it, with the reason.",
+        "curvature is reported beyond 1.5 of it, with the reason.",
         {
             "curvature_error_fewest": float(errors[0]),
             "curvature_error_last": float(errors[-1]),
@@ -223,13 +217,10 @@ def sharp_bend(quick: bool) -> Entry:
         "A curvature too sharp for beam theory",
         f"A band held at a point bends there until (curvature x half thickness) is {measured[2]:.2g} at a strain of "
         f"{strains[2]} ({measured[0]:.2g} at {strains[0]}), where plane sections are not plane and the inner side "
-        f"would be "
-        f"turned inside out beyond 1. The number does not depend on the thickness (spread "
-        f"{max(same) / min(same) - 1.0:.0e}): "
-        "a real thumb has a radius.",
+        "would be turned inside out beyond 1. The number does not depend on the thickness (spread "
+        f"{max(same) / min(same) - 1.0:.0e}): a real thumb has a radius.",
         f"The number is predicted from the elastica (to {apart:.0%} of the solved shape) before a run, and a scene "
-        f"above "
-        f"{SHARPEST} carries a warning; V and the later curvature do not hang on the held tip.",
+        f"above {SHARPEST} carries a warning; curvatures are fitted only once the held shape is forgotten.",
         {"sharpness_at_0.476": measured[2], "prediction_error": apart},
         Picture(
             "sharpness of the held tip",
