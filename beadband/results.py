@@ -68,12 +68,11 @@ def failed_checks(run: Run) -> list[str]:
             f"the release is not symmetric: the tip left the axis by {asymmetry:.2g} of the leg, "
             f"allowed {ASYMMETRY_BOUND:.0e}"
         )
-    error, value = speed_error_m_s(run), abs(run.measurement.speed_m_s.value)
-    bound = max(CONVERGENCE_BOUND, _TOLERANCES * run.plan.scene.tolerance)
-    if not error <= bound * value:
+    error, bound = relative_error(run), convergence_bound(run)
+    if not error <= bound:
         failures.append(
-            f"the rebound speed is not converged: with {run.plan.beads} beads its error is "
-            f"{error / value if value else math.inf:.2g} of it, allowed {bound:.2g}; raise --beads or leave it out"
+            f"the rebound speed is not converged: with {run.plan.beads} beads its error is {error:.2g} of it, allowed "
+            f"{bound:.2g}; raise --beads or leave it out"
         )
     return failures
 
@@ -86,6 +85,16 @@ def joined_error_m_s(fit: Measured, estimate: Estimate | None) -> float:
 def speed_error_m_s(run: Run) -> float:
     """Error of the rebound speed of a run."""
     return joined_error_m_s(run.measurement.speed_m_s, run.estimate)
+
+
+def relative_error(run: Run) -> float:
+    """Error of the rebound speed over it, or over next to nothing of the string limit where it is less."""
+    return speed_error_m_s(run) / max(abs(run.measurement.speed_m_s.value), 1e-9 * run.plan.string.rear_speed_m_s)
+
+
+def convergence_bound(run: Run) -> float:
+    """Relative error beyond which a rebound speed is a failed check."""
+    return max(CONVERGENCE_BOUND, _TOLERANCES * run.plan.scene.tolerance)
 
 
 def _spread(value: float, fit_error: float, other: float | None) -> float:
@@ -158,8 +167,8 @@ def as_dict(run: Run) -> dict[str, Any]:
         "checks": {
             "energy_balance": {"value": energy.error, "bound": ENERGY_BOUND},
             "convergence": {
-                "value": speed_error_m_s(run) / abs(found.speed_m_s.value),
-                "bound": max(CONVERGENCE_BOUND, _TOLERANCES * scene.tolerance),
+                "value": relative_error(run),
+                "bound": convergence_bound(run),
             },
             "asymmetry": {"value": rear.asymmetry_m / wedge.leg_m, "bound": ASYMMETRY_BOUND},
             "failed": failed_checks(run),
