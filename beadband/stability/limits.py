@@ -23,7 +23,7 @@ BOUND = 0.03
 _BONDS = 24
 _STEPS, _LOSSY_STEPS = 2500, 9000  # a lossy chain grows slowly beyond its limit: by 2 (dt/dt_max - 1) a step
 _RESPA_STEPS = 2000
-_RESPA_GROWTH = 1.0 + math.log(1e5) / _RESPA_STEPS  # what such a trial can tell from none
+RESPA_GROWTH = 1.0 + math.log(1e5) / _RESPA_STEPS  # what such a trial can tell from none
 _INNER_STEPS = 4
 _STRONG_LOSS_S = 2e-5
 
@@ -165,7 +165,7 @@ def predicted(point: Point) -> tuple[float, str]:
         return _respa(point, strand), RESONANCE
     damping = 2.0 * strand.dashpot_n_s_m(loss) / mass * modes
     along = 2.0 / (math.sqrt(max(4.0 * bond / mass * modes + damping**2, 0.0)) + damping) if bond > 0.0 else math.inf
-    bending, tension = _transverse_rate2(strand, point.stretch, modes)
+    bending, tension = transverse_rate2(strand, point.stretch, modes)
     contact = point.finger * float(strand.law.rest_modulus_pa) * strand.area_m2 / strand.spacing_m / mass
     rate2 = bending + tension + contact
     across = 2.0 / math.sqrt(rate2) if rate2 > 0.0 and not _buckles(strand, point.stretch) else math.inf
@@ -180,7 +180,7 @@ def _axial_regime(strand: Strand, stretch: float, loss_time_s: float) -> str:
     return DASHPOT if (2.0 * strand.dashpot_n_s_m(loss_time_s) / strand.bead_mass_kg) ** 2 > stiff else AXIAL
 
 
-def _transverse_rate2(strand: Strand, stretch: float, modes: Any) -> tuple[Any, Any]:
+def transverse_rate2(strand: Strand, stretch: float, modes: Any) -> tuple[Any, Any]:
     """w^2 of bending and of tension across a straight strand, for waves of sin^2(q/2) = ``modes``."""
     bending = (4.0 * strand.bending_diffusivity_m2_s / (strand.spacing_m**2 * stretch)) ** 2 * modes**2
     tension = 4.0 * float(strand.law.stress(stretch)) / (stretch * strand.density_kg_m3 * strand.spacing_m**2) * modes
@@ -190,14 +190,14 @@ def _transverse_rate2(strand: Strand, stretch: float, modes: Any) -> tuple[Any, 
 def _buckles(strand: Strand, stretch: float) -> bool:
     """Whether a specimen under a push gives way sideways: then it is kept on its line."""
     longest = math.sin(0.5 * math.pi / _BONDS) ** 2
-    bending, tension = _transverse_rate2(strand, stretch, longest)
+    bending, tension = transverse_rate2(strand, stretch, longest)
     return bool(bending + tension <= 0.0)
 
 
 def _respa(point: Point, strand: Strand) -> float:
     """First step at which any mode of the specimen grows under rRESPA by what a trial can tell; bonds inside."""
     modes = np.sin(0.5 * math.pi * np.arange(1, _BONDS) / _BONDS) ** 2
-    bending, tension = _transverse_rate2(strand, point.stretch, modes)
+    bending, tension = transverse_rate2(strand, point.stretch, modes)
     axial = 4.0 * float(strand.law.tangent(point.stretch)) / (strand.density_kg_m3 * strand.spacing_m**2) * modes
     zero = np.zeros_like(modes)
     inner, outer = np.concatenate([tension, axial]), np.concatenate([bending, zero])
@@ -205,7 +205,7 @@ def _respa(point: Point, strand: Strand) -> float:
     steps = least * np.geomspace(0.3, 1.5 * _INNER_STEPS, 6000)
     for step in steps:
         growth = frozen.respa_growth(outer, inner, 0.0 * outer, float(step), _INNER_STEPS)
-        if growth.max() > _RESPA_GROWTH:
+        if growth.max() > RESPA_GROWTH:
             return float(step)
     return float(steps[-1])
 

@@ -75,7 +75,7 @@ def resonance(quick: bool) -> Entry:
     strand = point.strand
     specimen, options, across = limits.specimen_of(point)
     modes = np.sin(0.5 * math.pi * np.arange(1, 24) / 24) ** 2
-    bending, tension = limits._transverse_rate2(strand, point.stretch, modes)
+    bending, tension = limits.transverse_rate2(strand, point.stretch, modes)
     axial = 4.0 * float(strand.law.tangent(point.stretch)) / (strand.density_kg_m3 * strand.spacing_m**2) * modes
     inner, outer = np.concatenate([tension, axial]), np.concatenate([bending, 0.0 * modes])
     verlet = strand.state_step_s(point.stretch)
@@ -88,7 +88,7 @@ def resonance(quick: bool) -> Entry:
         moved = replace(specimen, velocities_m_s=trials.shaken(specimen, float(step), across))
         unstable.append(trials.grows(moved, float(step), 2000, options))
     exact = [
-        bool(frozen.respa_growth(outer, inner, 0.0 * outer, float(s), 4).max() > limits._RESPA_GROWTH) for s in tried
+        bool(frozen.respa_growth(outer, inner, 0.0 * outer, float(s), 4).max() > limits.RESPA_GROWTH) for s in tried
     ]
     fastest = math.sqrt(float(inner.max()))
     agree = float(np.mean(np.array(exact) == np.array(unstable)))
