@@ -68,8 +68,8 @@ def stiffness(quick: bool) -> Entry:
         f"A strand that hits a finger at {_SPEED:g} m/s sinks into it by {share_of_radius[0]:.0%} of its radius with "
         f"a contact of {shares[0]:g} bonds' stiffness (at a depth of 0.1 mm) and by {share_of_radius[-1]:.1%} with "
         f"{shares[-1]:g}; the stiff contact lets the largest step fall to {fall[-1]:.2f} of the chain's.",
-        "A release needs no contact: beads on the finger stay where they are until the front arrives, and --until "
-        "launch is refused in this version. The limit with a contact is exact (regime 'contact' of the map).",
+        "Up to the front's arrival a release needs no contact: beads on the finger stay where they are. The limit of "
+        "the step with a contact is exact (regime 'contact' of the map), so that a stiffness can be chosen for its step.",
         {
             "depth_over_radius_soft": float(share_of_radius[0]),
             "depth_over_radius_stiff": float(share_of_radius[-1]),
@@ -86,16 +86,8 @@ def stiffness(quick: bool) -> Entry:
             logx=True,
             logy=True,
         ),
-        share_of_radius[0] > 0.5 and share_of_radius[-1] < 0.1 and fall[-1] < 0.6 and _launch_refused(),
+        share_of_radius[0] > 0.5 and share_of_radius[-1] < 0.1 and fall[-1] < 0.6,
     )
-
-
-def _launch_refused() -> bool:
-    try:
-        plan_of(scene_of({"until": "launch"}))
-    except UsageError:
-        return True
-    return False
 
 
 def through(quick: bool) -> Entry:

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from beadband.errors import BeadbandError
-from beadband.plan import LOSS_BEADS
 from beadband.scene import scene_of
 from beadband.stability import frozen, trials
 from beadband.stability.forms import FORMS
@@ -26,6 +25,7 @@ _RESPA_STEPS = 2000
 RESPA_GROWTH = 1.0 + math.log(1e5) / _RESPA_STEPS  # what such a trial can tell from none
 _INNER_STEPS = 4
 _STRONG_LOSS_S = 2e-5
+_LOSS_BEADS = 0.2  # as a plan has it: of the time in which a front goes from bead to bead
 
 AXIAL, BENDING, TENSION, DASHPOT, CONTACT, RESONANCE = "axial", "bending", "tension", "dashpot", "contact", "resonance"
 REGIMES = (AXIAL, BENDING, TENSION, DASHPOT, CONTACT, RESONANCE)
@@ -71,7 +71,7 @@ class Point:
         # As a plan has it at a moderate strain: of the time from bead to bead of the front, in units of the table's E.
         strand = self.strand
         front = math.sqrt(strand.law.rest_modulus_pa / strand.density_kg_m3)
-        return LOSS_BEADS * strand.spacing_m * strand.density_kg_m3 * front / strand.modulus_pa
+        return _LOSS_BEADS * strand.spacing_m * strand.density_kg_m3 * front / strand.modulus_pa
 
     @property
     def strand(self) -> Strand:

@@ -151,7 +151,7 @@ def thick_band(quick: bool) -> Entry:
     return Entry(
         "thick-band",
         "A thick band on a small finger",
-        f"At a half-angle of {angle:g} degrees the finger's circle has a radius of {radii[0] * 1e3:.1f} mm to the "
+        f"At a half-angle of {angle:g} degree the finger's circle has a radius of {radii[0] * 1e3:.1f} mm to the "
         f"middle of the band; a band of {thicknesses[first] * 1e3:g} mm has a half thickness of "
         f"{half[first] * 1e3:.1f} mm when stretched, and "
         + (

@@ -34,7 +34,8 @@ release's from below, for a chain that is nowhere stiffer has no smaller one; ne
 of the shapes that a run well below it went through. The release itself may come out above: a shape's limit may
 be passed for as few steps as the shape lasts. Smooth releases stay within 12 % above their worst shape; behind
 a shock without loss, where single bonds are pressed for a few steps at a time, up to twice the worst shape's is
-borne. The planned limit (of which a plan takes 0.65) expects a compression before there is a run.
+borne. The planned limit, of which a plan takes a share, is that of a uniform strand at a compression expected
+before there is a run.
 """
 
 

@@ -49,10 +49,10 @@ def step_limit(quick: bool) -> Entry:
         f"At 0.9 of the limit the energy never rises above {steady:.4f} of the held one and nothing warns; at 1.1 it "
         f"grows without bound and bonds leave their table after {kept[1.1]:.0%} of the run. The growth alternates "
         "from bead to bead and from step to step, which is how it announces itself.",
-        f"A plan takes 0.65 of a limit that lies below the measured one ({found.measured_s / found.planned_s:.2f} of "
-        "the planned here), a larger --timestep than that limit is refused, and a run that gains energy stops within "
-        "200 "
-        "steps: '" + said.split(": given")[0] + "'.",
+        f"A plan stays well within a limit that lies below the measured one ({found.measured_s / found.planned_s:.2f} of "
+        "it here), a larger --timestep than that limit is refused, and a run that gains energy stops within 200 steps: '"
+        + said.split(": given")[0]
+        + "'.",
         {
             "energy_at_0.9": steady,
             "survived_share_at_1.1": kept[1.1],
@@ -140,7 +140,7 @@ def drift(quick: bool) -> Entry:
     half = len(energy) // 2
     change = float(energy[half:].mean() - energy[:half].mean())
     swing = float(energy.std())
-    error = swing * math.sqrt(2.0 * 2.0 / half) * 2.0
+    error = 2.0 * swing * math.sqrt(2.0 / half)
     return Entry(
         "energy-drift",
         "Drift of the energy over very many steps",
