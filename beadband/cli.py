@@ -14,7 +14,7 @@ from typing import NoReturn
 from beadband import __version__
 from beadband.errors import BeadbandError
 
-RESERVED = ("pareto", "stability")
+RESERVED = ("pareto",)
 """Commands whose names are kept for later versions."""
 
 
@@ -33,7 +33,7 @@ class _Parser(argparse.ArgumentParser):
         return super().parse_known_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
-        print(f"{self.prog}: {message}; see '{self.prog} --help'", file=sys.stderr)
+        print(f"{self.prog}: {' '.join(message.split())}; see '{self.prog} --help'", file=sys.stderr)
         raise SystemExit(2)
 
 
@@ -87,6 +87,10 @@ def build_parser() -> argparse.ArgumentParser:
     launch_map = command("launch-map", "pause and efficiency of launches over strain and half-angle")
     launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")
     launch_map.add_argument("--quick", action="store_true", help="a coarser grid of scenes with fewer beads")
+    stability = command("stability", "where the methods fail: the step limit measured, and a catalogue of failures")
+    stability.add_argument("--out", metavar="DIR", help="new or empty folder (default: stability)")
+    stability.add_argument("--only", metavar="NAME", help="one entry of the catalogue, or map or releases")
+    stability.add_argument("--quick", action="store_true", help="fewer specimens and shorter runs")
     for name in RESERVED:
         later = commands.add_parser(name, description="Not part of this version.", add_help=False)
         later.set_defaults(handler="reserved", name=name)

@@ -161,6 +161,24 @@ def launch_map(arguments: Namespace) -> int:
     return 0
 
 
+def stability(arguments: Namespace) -> int:
+    """Measure step limits and reproduce failures."""
+    from beadband import folder
+    from beadband import stability as failures
+    from beadband.stability import page
+
+    failures.check_name(arguments.only)
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("stability"))
+    follow = _Progress("part") if sys.stderr.isatty() else None
+    found = failures.find(arguments.only, arguments.quick, follow)
+    failures.write(found, out)
+    print(json.dumps(failures.as_dict(found), indent=1) if arguments.json else page.summary(found))
+    print(f"files in {out}; {found.wall_s:.0f} s", file=sys.stderr)
+    for name in found.failed:
+        print(f"did not come out as described: {name}", file=sys.stderr)
+    return 3 if found.failed else 0
+
+
 def _name(scene: Scene) -> str:
     return f"{scene.until}-{scene.band.name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
 

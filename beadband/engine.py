@@ -174,16 +174,26 @@ def _watch(instance: Any, name: str, follow: Follow | None) -> None:
             finished.wait(_POLL_S)
         raise
     if failures:
-        raise RunError(_complaint(str(failures[0]))) from failures[0]
+        raise RunError(_complaint(str(failures[0]), instance)) from failures[0]
 
 
-def _complaint(text: str) -> str:
-    """LAMMPS' error as one line, without the place in its source, and with what usually lies behind it."""
+def _complaint(text: str, instance: Any = None) -> str:
+    """LAMMPS' error as one line, without the place in its source, and with what usually lies behind it.
+
+    Of a run that blew up it says where and when, from what is left in the instance.
+    """
     first = text.strip().splitlines()[0]
     message = re.sub(r"\s*\(\S+:\d+\)$", "", re.sub(r"^ERROR( on proc \d+)?:\s*", "", first))
-    if re.search(r"bond length|non-numeric|lost atoms|missing|not finite", message, re.IGNORECASE):
+    if re.search(
+        r"bond length|illegal bond|non-numeric|lost atoms|missing|not finite|fix-id guard", message, re.IGNORECASE
+    ):
+        from beadband.blowup import examine
+
+        found = examine(instance) if instance is not None else None
+        if "fix-id guard" in message:
+            message = "the energy rose above that of the held band"
         return explain(
-            "the run blew up",
+            "the run blew up" if found is None else f"the run blew up: {found.sentence()}",
             f"LAMMPS: {message}",
             "bonds within the table of the law",
             "lower --timestep, or give the shock a loss with --loss-time",

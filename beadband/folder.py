@@ -62,6 +62,34 @@ def create(out: str | os.PathLike[str]) -> Path:
     )
 
 
+def claim(folder: Path, text: str) -> None:
+    """Put scene.toml into a folder that has none: of two runs that found it empty, one gets it.
+
+    UsageError for the other, RunError when the disk refuses.
+    """
+    try:
+        handle = os.open(folder / SCENE, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    except FileExistsError as error:
+        raise UsageError(
+            explain(
+                "another run has just taken the output folder",
+                f"{str(folder)!r} with a {SCENE}",
+                "a folder for each run",
+                "choose another with --out",
+            )
+        ) from error
+    except OSError as error:
+        raise _refused(folder / SCENE, error) from error
+    os.close(handle)
+    write_text(folder / SCENE, text)
+
+
+def _refused(path: Path, error: OSError) -> RunError:
+    return RunError(
+        explain("a file could not be written", f"{str(path)!r} ({error.strerror})", "a disk with room", "free some")
+    )
+
+
 def next_free(name: str) -> Path:
     """``name`` in the current folder, with -2, -3 ... behind it when something stands there already."""
     path, number = Path(name), 1
@@ -123,6 +151,4 @@ def write_text(path: Path, text: str, durable: bool = False) -> None:
                 os.fsync(handle.fileno())
         os.replace(partial, path)
     except OSError as error:
-        raise RunError(
-            explain("a file could not be written", f"{str(path)!r} ({error.strerror})", "a disk with room", "free some")
-        ) from error
+        raise _refused(path, error) from error

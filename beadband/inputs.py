@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -19,6 +20,12 @@ LEG_TABLE_POINTS = 201
 """A leg is released for a number or two, and reading the table would take longer than the physics."""
 DEEPEST_STRETCH = 0.3
 """Where the bond table begins."""
+WIDEST_STRAIN = 1.6
+"""Where the bond table ends, over the held strain."""
+MOST_ENERGY = 1.05
+"""Share of the held energy above which a run has blown up; sound ones stay within a per cent."""
+GUARD_STEPS = 200
+"""Steps between looks at the energy."""
 _NEVER = 2_000_000_000
 _LOSS_SAMPLES = 8
 """Times in a frame at which the power of the dashpots is taken."""
@@ -80,9 +87,12 @@ Masses
 
 
 def bond_table(strand: Strand, strain: float, points: int = TABLE_POINTS, shortest: float = DEEPEST_STRETCH) -> str:
-    """Energy and force of a bond from the stretch ``shortest`` to a quarter beyond the held strain."""
+    """Energy and force of a bond from the stretch ``shortest`` to well beyond the held strain.
+
+    Ahead of a shock without loss bonds ring about the held stretch, and more where the finger throws them back.
+    """
     law, a, area = strand.law, strand.spacing_m, strand.area_m2
-    stretch = np.linspace(shortest, 1.0 + 1.25 * strain, points)
+    stretch = np.linspace(shortest, 1.0 + WIDEST_STRAIN * strain, points)
     energy, force = a * area * law.energy(stretch), -area * law.stress(stretch)
     slopes = [-area * float(law.tangent(stretch[end])) / a for end in (0, -1)]
     rows = "".join(
@@ -95,9 +105,15 @@ def bond_table(strand: Strand, strain: float, points: int = TABLE_POINTS, shorte
     )
 
 
-def with_variables(name: str, variables: Variables) -> str:
-    """A script of :mod:`beadband.lmp_inputs` under the variables that it needs, to the last digit."""
-    lines = (f"variable        {key} index {format(value, '.17g')}\n" for key, value in variables.items())
+def with_variables(name: str, variables: Mapping[str, int | float | str]) -> str:
+    """A script of :mod:`beadband.lmp_inputs` under the variables that it needs, numbers to the last digit.
+
+    Texts are words of the scripts' own (a style, its coefficients), never a user's.
+    """
+    values = {
+        key: f'"{value}"' if isinstance(value, str) else format(value, ".17g") for key, value in variables.items()
+    }
+    lines = (f"variable        {key} index {value}\n" for key, value in values.items())
     return "".join(lines) + "\n" + script_text(name)
 
 
@@ -127,6 +143,10 @@ def script(plan: Plan, ring: Ring, pictures: bool) -> str:
         "rear_steps": plan.rear_steps,
         "frame_steps": plan.frame_steps if pictures else _NEVER,
         "frame_average": plan.frame_steps if pictures else 1,
+        "spacing": strand.spacing_m,
+        "largest_timestep": plan.largest_timestep_s,
+        "most_energy": MOST_ENERGY * (ring.stretching_j + ring.bending_j),
+        "guard_steps": GUARD_STEPS,
         "loss_every": loss_every if pictures else 1,
         "loss_average": plan.frame_steps // loss_every if pictures else 1,
     }

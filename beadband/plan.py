@@ -10,6 +10,7 @@ from beadband.errors import UsageError, explain
 from beadband.ring import FEWEST_BEADS
 from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s, similarity_window
 from beadband.scene import PLANNED, Scene
+from beadband.validity import validity_warnings
 from beadband.wedge import StringLimit
 
 MOST_PLANNED_BEADS = 6000
@@ -149,9 +150,8 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
         + f" of its rear, each an average over {rear_steps} steps, for bead-scale modes would alias"
     )
     unresolved = strand.spacing_m > accuracy.COARSEST_SPACING * layer
-    if not unresolved:
-        _beam_warnings(scene, warnings)
-    elif layer and scene.beads is not None:
+    warnings += validity_warnings(scene)
+    if unresolved and layer and scene.beads is not None:
         warnings.append(
             f"the bending layer of the held tip ({layer * 1e3:.3g} mm) is finer than the beads "
             f"({strand.spacing_m * 1e3:.3g} mm): the tip curvature is not resolved"
@@ -343,14 +343,3 @@ def _compression(scene: Scene, string: StringLimit, loss_beads: float, warnings:
         "not resolve it: it rings, and the rebound speed is about 1 % too low whatever the number of beads"
     )
     return 0.5
-
-
-def _beam_warnings(scene: Scene, warnings: list[str]) -> None:
-    """Say where the held tip is bent more sharply than beam theory bears."""
-    layer = bending_layer_m(scene)
-    sharpness = math.sin((math.pi / 2.0 - scene.half_angle_rad) / 2.0) * scene.band.thickness_m / layer
-    if sharpness > 0.5:
-        warnings.append(
-            f"the held tip has (curvature x half thickness) = {sharpness:.2g}: beam theory is not accurate for it "
-            "until the curvature has fallen"
-        )

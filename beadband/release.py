@@ -52,7 +52,7 @@ def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = N
         ring = hold(plan)
     with clock.part("write"):
         folder = files.create(out)
-        files.write_text(folder / files.SCENE, scene_text(plan.scene))
+        files.claim(folder, scene_text(plan.scene))
         write_ring(folder, plan, ring)
     with clock.part("integrate"):
         follow = (lambda done: progress(done, plan.steps)) if progress else None

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 # Bounds of the physics checks: what a sound run stays well below.
 ENERGY_BOUND = 0.02
 ASYMMETRY_BOUND = 1e-6
+CONVERGENCE_BOUND = 0.05
+"""Relative error beyond which the rebound speed counts as not known, unless the tolerance asks for little more."""
+_TOLERANCES = 5.0
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,12 @@ def failed_checks(run: Run) -> list[str]:
             f"the release is not symmetric: the tip left the axis by {asymmetry:.2g} of the leg, "
             f"allowed {ASYMMETRY_BOUND:.0e}"
         )
+    error, bound = relative_error(run), convergence_bound(run)
+    if not error <= bound:
+        failures.append(
+            f"the rebound speed is not converged: with {run.plan.beads} beads its error is {error:.2g} of it, allowed "
+            f"{bound:.2g}; raise --beads or leave it out"
+        )
     return failures
 
 
@@ -103,6 +112,16 @@ def curvature_errors(found: Decay, estimate: Estimate | None) -> tuple[float, fl
         joined(found.exponent, estimate.exponent if estimate else None),
         joined(found.eq7_ratio, estimate.eq7_ratio if estimate else None),
     )
+
+
+def relative_error(run: Run) -> float:
+    """Error of the rebound speed over it, or over next to nothing of the string limit where it is less."""
+    return speed_error_m_s(run) / max(abs(run.measurement.speed_m_s.value), 1e-9 * run.plan.string.rear_speed_m_s)
+
+
+def convergence_bound(run: Run) -> float:
+    """Relative error beyond which a rebound speed is a failed check."""
+    return max(CONVERGENCE_BOUND, _TOLERANCES * run.plan.scene.tolerance)
 
 
 def warnings_of(run: Run) -> list[str]:
@@ -169,6 +188,10 @@ def as_dict(run: Run) -> dict[str, Any]:
         "estimate": None if estimate is None else asdict(estimate),
         "checks": {
             "energy_balance": {"value": energy.error, "bound": ENERGY_BOUND},
+            "convergence": {
+                "value": relative_error(run),
+                "bound": convergence_bound(run),
+            },
             "asymmetry": {"value": rear.asymmetry_m / wedge.leg_m, "bound": ASYMMETRY_BOUND},
             "failed": failed_checks(run),
         },

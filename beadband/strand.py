@@ -7,9 +7,9 @@ bead mass          m = density A a
 bond energy        a A W(r/a), so the bond carries the tension A stress(r/a)
 angle energy       (EI/a)(u + u^2/6), u = 1 - cos psi, psi the turning angle: EI/2 (psi/a)^2 a up to the order psi^6
 dashpot            gamma = E A tau/a along each bond: Kelvin-Voigt, viscous stress E tau d(stretch)/dt
-largest step       dt = 2/(sqrt(w^2 + g^2) + g), g = 2 gamma/m: velocity Verlet at the stiffest mode, with
-                   w = 2 c_max/a axially; g = 0 and w = 4 a_b/(a^2 s) for bending of bonds at a stretch s,
-                   a_b = sqrt(EI/(density A))
+largest step       dt = 2/(sqrt(w^2 + g^2) + g), g = 2 gamma/m: velocity Verlet, dashpots half a step behind, at
+                   the stiffest mode; w^2 = 4 (tangent/density)/a^2 along the strand at a stretch s; across it g = 0,
+                   w^2 = (4 a_b/(a^2 s))^2 + 4 (stress/(density s))/a^2, a_b = sqrt(EI/(density A))
 =================  =================================================================================
 """
 
@@ -61,18 +61,38 @@ class Strand:
         """Force along a bond per rate of its length."""
         return self.modulus_pa * self.area_m2 * loss_time_s / self.spacing_m
 
+    def axial_step_s(self, stretch: float, loss_time_s: float = 0.0) -> float:
+        """Largest stable step of motions along a uniform straight strand: neighbours against each other."""
+        mass_rate = 2.0 * self.dashpot_n_s_m(loss_time_s) / self.bead_mass_kg
+        rate2 = 4.0 * self.law.tangent(stretch) / (self.density_kg_m3 * self.spacing_m**2)
+        # A falling tension (rate2 < 0) has no stable step of its own; what a step can bear is the dashpots'.
+        return 2.0 / (math.sqrt(max(rate2 + mass_rate**2, 0.0)) + mass_rate) if rate2 > 0.0 else math.inf
+
+    def transverse_step_s(self, stretch: float) -> float:
+        """Largest stable step of motions across it: bending, which short bonds stiffen, and the tension.
+
+        In a zigzag every angle turns by four heights over a bond: w^2 = (16 EI/(a^3 s^2) + 4 T/(a s))/m. There are no
+        dashpots across.
+        """
+        bending = (4.0 * self.bending_diffusivity_m2_s / (self.spacing_m**2 * stretch)) ** 2
+        pulled = 4.0 * self.law.stress(stretch) / (stretch * self.density_kg_m3 * self.spacing_m**2)
+        return 2.0 / math.sqrt(bending + pulled) if bending + pulled > 0.0 else math.inf
+
+    def state_step_s(self, stretch: float, loss_time_s: float = 0.0) -> float:
+        """Largest stable step of a straight strand at one stretch: the exact linear limit of velocity Verlet."""
+        return min(self.axial_step_s(stretch, loss_time_s), self.transverse_step_s(stretch))
+
     def largest_step_s(self, loss_time_s: float, strain: float, compression: float) -> float:
         """Step at which velocity Verlet loses stability while the strand unloads from ``strain``.
 
-        Axial modes are as stiff as the law is anywhere between that strain and the stretch ``compression``; transverse
-        ones are checked compressed (short bonds bend most stiffly) and held (long bonds under tension).
+        The smallest of :meth:`state_step_s` over the stretches from ``compression`` to that strain, with the help of
+        a push along the strand against bending left out: bonds of different stretches meet at a hinge. No state of a
+        release between these stretches has a smaller limit, up to the coupling of bending and stretching at turning
+        angles of some tens of degrees (see :mod:`beadband.stability.frozen`, which has it exactly).
         """
-        held, density = 1.0 + strain, self.density_kg_m3
+        held = 1.0 + strain
         samples = [compression + (held - compression) * i / 64 for i in range(65)]
-        stiffest = max(self.law.tangent(stretch) for stretch in samples)
-        mass_rate = 2.0 * self.dashpot_n_s_m(loss_time_s) / self.bead_mass_kg
-        axial = 4.0 * stiffest / (density * self.spacing_m**2)
-        bending = (4.0 * self.bending_diffusivity_m2_s / self.spacing_m**2) ** 2
-        pulled = 4.0 * self.law.stress(held) / (held * density * self.spacing_m**2)
-        transverse = max(bending / compression**2, bending / held**2 + pulled)
-        return min(2.0 / (math.sqrt(axial + mass_rate**2) + mass_rate), 2.0 / math.sqrt(transverse))
+        axial = min(self.axial_step_s(stretch, loss_time_s) for stretch in samples)
+        bending = (4.0 * self.bending_diffusivity_m2_s / (self.spacing_m**2 * compression)) ** 2
+        relaxed = 2.0 / math.sqrt(bending) if bending > 0.0 else math.inf
+        return min(axial, relaxed, *(self.transverse_step_s(stretch) for stretch in samples if stretch >= 1.0))

@@ -146,7 +146,7 @@ def _maps(rows: Sequence[Row], path: Path) -> Path | None:
         sharex=True, sharey=True,
     )  # fmt: skip
     values = _numbers([row for of in groups.values() for row in of], "ratio_rest")
-    points = None
+    points: Any = None
     for axes, (name, of) in zip(panels.flat, groups.items(), strict=False):
         points = axes.scatter(
             _scene_numbers(of, "strain"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from typing import Any
@@ -86,7 +86,7 @@ def _with_ranks(scenes: Sequence[Values]) -> Iterator[Batch]:
                 yield future.result()
 
 
-def _hand_out(executor: Executor, batches: list[list[Values]]) -> dict[Future[Batch], list[Values]]:
+def _hand_out(executor: Any, batches: list[list[Values]]) -> dict[Future[Batch], list[Values]]:
     return {executor.submit(work, batch): batch for batch in batches}
 
 
