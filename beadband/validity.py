@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from beadband.errors import UsageError, explain
-from beadband.scales import bending_layer_m
+from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s
 from beadband.scene import Scene
 
 SHARPEST = 0.5
@@ -75,6 +75,12 @@ def validity_warnings(scene: Scene) -> tuple[str, ...]:
             f"the wedge is nearly as wide as it can be, (1 + strain) sin(half-angle) = {closing:.3g} of at most 1: the "
             "rear hardly unloads"
         )
+    arrival, end = rear_arrival_share(scene), SPEED_WINDOW[1]
+    if arrival < end:
+        found.append(
+            f"the rear would meet the finger at {arrival:.2f} of the front's arrival, before {end} of it, when its "
+            "speed is known: what is released here passes through the finger"
+        )
     if scene.loss_time_s and "loss_time_s" not in scene.planned:
         # A front of the speed U with the viscosity E tau is about E tau/(density U) thick.
         width = scene.band.modulus_pa * scene.loss_time_s / (scene.band.density_kg_m3 * scene.string.front_speed_m_s)
@@ -85,6 +91,13 @@ def validity_warnings(scene: Scene) -> tuple[str, ...]:
                 "not the limit of small loss"
             )
     return tuple(found)
+
+
+def rear_arrival_share(scene: Scene) -> float:
+    """When the rear of the string limit reaches the finger's near side, over the front's arrival at the finger."""
+    wedge, string = scene.wedge, scene.string
+    way = wedge.leg_m / math.cos(scene.half_angle_rad) - wedge.finger_radius_m
+    return way / string.rear_speed_m_s / front_arrival_s(scene, string)
 
 
 def _bending(scene: Scene) -> list[str]:
