@@ -134,7 +134,7 @@ def test_respa_without_an_inner_loop_is_verlet() -> None:
     "name",
     [
         *("angles-straight", "angles-folded", "past-peak", "beyond-table", "thick-band", "rebound"),
-        *("through-finger", "sharp-bend", "single-precision"),
+        *("through-finger", "sharp-bend", "single-precision", "finger-stiffness"),
     ],
 )
 def test_failures_are_as_described(name: str) -> None:

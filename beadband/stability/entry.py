@@ -84,8 +84,8 @@ class Entry:
             "failure": self.failure,
             "answer": self.answer,
             "numbers": {
-                key: (value if isinstance(value, str) or np.isfinite(value) else None)
+                key: value if isinstance(value, str) else float(value) if np.isfinite(value) else None
                 for key, value in self.numbers.items()
             },
-            "held": self.held,
+            "held": bool(self.held),  # numpy's are not JSON's
         }

@@ -114,7 +114,7 @@ class ReleaseLimit:
             "frozen_s": self.frozen_s,
             "measured_s": self.measured_s,
             "least_stretch": self.least_stretch,
-            "held": self.held,
+            "held": bool(self.held),
         }
 
 

@@ -169,9 +169,10 @@ def converged(plan: Any) -> dict[str, tuple[float, float]]:
     """Speed and curvature figures of the same scene on finer rings, and how far each may be off."""
     from dataclasses import replace
 
+    from beadband.engine import Session
     from beadband.errors import UsageError
+    from beadband.follow import follow_rear
     from beadband.plan import plan_of
-    from beadband.release import follow_rear
 
     numerical = "loss_time_s" in plan.scene.planned
     finer = []
@@ -186,14 +187,16 @@ def converged(plan: Any) -> dict[str, tuple[float, float]]:
                 rear_steps=None,
                 frames=None,
                 planned=(),
-            )
+            ),
+            "leg",
         )
-        if chosen.beads * chosen.steps <= _DEAREST:
+        if chosen.bead_steps <= _DEAREST:
             finer.append(chosen)
     if len(finer) < 2:
         raise UsageError("finer runs would take too long")
     coarse, fine = finer[-1] if len(finer) == 2 else finer[-2], finer[0]
-    pair = [follow_rear(coarse), follow_rear(fine)]
+    with Session() as session:
+        pair = [follow_rear(coarse, session), follow_rear(fine, session)]
     measured = {"V": [one.speed_m_s for one in pair]}
     if all(one.decay for one in pair):
         measured["exponent"] = [one.decay.exponent for one in pair if one.decay]
