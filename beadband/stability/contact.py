@@ -70,11 +70,7 @@ def stiffness(quick: bool) -> Entry:
         f"a contact of {shares[0]:g} bonds' stiffness (at a depth of 0.1 mm) and by {share_of_radius[-1]:.1%} with "
         f"{shares[-1]:g}; the stiff contact lets the largest step fall to {fall[-1]:.2f} of the chain's.",
         "Up to the front's arrival a release needs no contact: beads on the finger stay where they are. The limit of "
-<<<<<<< HEAD
-        "the step with a contact is exact (regime 'contact' of the map), so that a stiffness can suit its step.",
-=======
         "the step with a contact is exact (regime 'contact' of the map): a stiffness can be chosen for its step.",
->>>>>>> stability
         {
             "depth_over_radius_soft": float(share_of_radius[0]),
             "depth_over_radius_stiff": float(share_of_radius[-1]),

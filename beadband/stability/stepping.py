@@ -49,16 +49,9 @@ def step_limit(quick: bool) -> Entry:
         f"At 0.9 of the limit the energy never rises above {steady:.4f} of the held one and nothing warns; at 1.1 it "
         f"grows without bound and bonds leave their table after {kept[1.1]:.0%} of the run. The growth alternates "
         "from bead to bead and from step to step, which is how it announces itself.",
-<<<<<<< HEAD
-        f"A plan stays well within a limit that lies below the measured one ({found.measured_s / found.planned_s:.2f} "
-        "of it here), a larger --timestep is refused, and a run that gains energy stops within 200 steps: '"
-        + said.split(": given")[0]
-        + "'.",
-=======
         "A plan stays well within a limit that lies below the measured one "
         f"({found.measured_s / found.planned_s:.2f} of it here), a larger --timestep than that limit is refused, and a "
         "run that gains energy stops within 200 steps: '" + said.split(": given")[0] + "'.",
->>>>>>> stability
         {
             "energy_at_0.9": steady,
             "survived_share_at_1.1": kept[1.1],
