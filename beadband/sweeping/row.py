@@ -76,7 +76,7 @@ def release(values: Values, session: Session) -> dict[str, Any]:
         row[f"alpha_{wave}"] = speed / wave_speed / scene.published_ratio
         row[f"alpha_{wave}_error"] = error_m_s / wave_speed / scene.published_ratio
     if found.decay is not None:
-        exponent_error, ratio_error = curvature_errors(found.decay, estimate)
+        exponent_error, ratio_error = curvature_errors(found, estimate, plan.curvature_error)
         row |= {
             "exponent": found.decay.exponent.value,
             "exponent_error": exponent_error,
