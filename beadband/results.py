@@ -102,7 +102,7 @@ def speed_error_m_s(run: Run) -> float:
 def curvature_errors(found: Measurement, estimate: Estimate | None, predicted: float | None) -> tuple[float, float]:
     """Errors of the exponent and of the Eq. 7 ratio of a decay that was found.
 
-    Of the fit, of the run itself (of the second order in the spacing: a third of the difference to half the beads), and
+    Of the fit (twice its standard error, for a ringing decay has few independent points), of the run itself (of the second order in the spacing: a third of the difference to half the beads), and
     of the relative error ``predicted`` of the curvature, which may tilt the decay over its window.
     """
     decay, window = found.decay, found.window
@@ -111,7 +111,7 @@ def curvature_errors(found: Measurement, estimate: Estimate | None, predicted: f
     tilt = share / math.log(window.end_s / window.start_s)
 
     def joined(measured: Measured, other: float | None, expected: float) -> float:
-        return math.hypot(measured.error, expected, 0.0 if other is None else (other - measured.value) / 3.0)
+        return math.hypot(2.0 * measured.error, expected, 0.0 if other is None else (other - measured.value) / 3.0)
 
     return (
         joined(decay.exponent, estimate.exponent if estimate else None, tilt),
