@@ -102,8 +102,9 @@ def speed_error_m_s(run: Run) -> float:
 def curvature_errors(found: Measurement, estimate: Estimate | None, predicted: float | None) -> tuple[float, float]:
     """Errors of the exponent and of the Eq. 7 ratio of a decay that was found.
 
-    Of the fit (twice its standard error, for a ringing decay has few independent points), of the run itself (of the second order in the spacing: a third of the difference to half the beads), and
-    of the relative error ``predicted`` of the curvature, which may tilt the decay over its window.
+    Of the fit (twice its standard error, for a ringing decay has few independent points), of the run itself (of the
+    second order in the spacing: a third of the difference to half the beads), and of the relative error ``predicted``
+    of the curvature, which may tilt the decay over its window.
     """
     decay, window = found.decay, found.window
     assert decay is not None
