@@ -17,7 +17,7 @@ from beadband.scene import Scene
 from beadband.wedge import StringLimit
 
 BENDING_SPREAD = 5.0
-LEAST_RESOLUTION = 8.0
+LEAST_RESOLUTION = 12.0
 """Beads in the rear from which on the curve of the speed is known."""
 
 CURVATURE_SPACING = 0.6
@@ -26,7 +26,7 @@ TOLERANCE_OF_SPACING = 0.005
 COARSEST_SPACING = 1.0
 """Beyond this share of the bending layer the tip curvature is not measured at all."""
 _WIDEST_SPACING = 0.9
-_MOST_ERROR = 0.12
+_FEW_ERROR = 0.12
 _RING_COARSENESS = 1.6
 _LAYER_WEIGHT = 10.0
 
@@ -57,7 +57,9 @@ def leg_speed_error(beads_in_rear: float, coarseness: float = 1.0) -> float:
     The first part is the numerical loss, of the first order in the spacing; the second is what single beads make of the
     kink (times ``coarseness``), until they are too few to be called a curve.
     """
-    return min(_MOST_ERROR, 0.12 / beads_in_rear + coarseness * 0.010 * math.pow(22.0 / beads_in_rear, 4.2))
+    error = 0.12 / beads_in_rear + coarseness * 0.010 * math.pow(22.0 / beads_in_rear, 4.2)
+    # With fewer than a dozen beads errors no longer follow the curve; they grow less steeply.
+    return min(error, _FEW_ERROR * math.pow(max(1.0, LEAST_RESOLUTION / beads_in_rear), 2.0))
 
 
 def speed_error(scene: Scene, string: StringLimit, spacing_m: float, model: str) -> float:
@@ -70,9 +72,7 @@ def speed_error(scene: Scene, string: StringLimit, spacing_m: float, model: str)
     if model == "leg":
         return leg_speed_error(beads_in_rear)
     sharp = (kink_way_m(scene) + _LAYER_WEIGHT * bending_layer_m(scene)) / spacing_m
-    return min(
-        _MOST_ERROR, math.hypot(leg_speed_error(beads_in_rear, _RING_COARSENESS), 0.015 * math.pow(7.0 / sharp, 3.0))
-    )
+    return min(1.0, math.hypot(leg_speed_error(beads_in_rear, _RING_COARSENESS), 0.015 * math.pow(7.0 / sharp, 3.0)))
 
 
 def beads_for(scene: Scene, string: StringLimit, model: str) -> float:
