@@ -18,7 +18,9 @@ from beadband.results import Run
 from beadband.scene import scene_of
 
 REQUIRE_ALL = os.environ.get("BEADBAND_TEST_ALL") == "1"
-"""Set where nothing may be skipped."""
+"""Set where nothing may be skipped but what is named in BEADBAND_TEST_WITHOUT."""
+WITHOUT = frozenset(os.environ.get("BEADBAND_TEST_WITHOUT", "").split())
+"""Programs of the system that may be missing: chromium, vulkan."""
 
 
 @cache

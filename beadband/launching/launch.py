@@ -47,7 +47,7 @@ def run(scene: Scene, out: str | os.PathLike[str], progress: Progress | None = N
         ring, support = plan.held()
     with clock.part("write"):
         folder = files.create(out)
-        files.write_text(folder / files.SCENE, scene_text(plan.scene))
+        files.claim(folder, scene_text(plan.scene))
         write_inputs(folder, plan, ring, support)
     expected = round(max(plan.string.rear_arrival_s, plan.string.finger_free_s) / plan.timestep_s) + plan.flight_steps
     with clock.part("integrate"):
