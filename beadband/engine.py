@@ -100,6 +100,11 @@ class Session:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    @property
+    def instance(self) -> Any:
+        """The instance as the last run left it, None before the first and after a failed one."""
+        return self._instance
+
     def close(self) -> None:
         """Close the instance and remove the folder."""
         self._drop()
@@ -174,7 +179,7 @@ def _complaint(text: str) -> str:
     """LAMMPS' error as one line, without the place in its source, and with what usually lies behind it."""
     first = text.strip().splitlines()[0]
     message = re.sub(r"\s*\(\S+:\d+\)$", "", re.sub(r"^ERROR( on proc \d+)?:\s*", "", first))
-    if re.search(r"bond length|non-numeric|lost atoms|missing|not finite", message, re.IGNORECASE):
+    if re.search(r"bond length|table (inner|outer) cutoff|non-numeric|lost atoms|missing|not finite", message, re.IGNORECASE):
         return explain(
             "the run blew up",
             f"LAMMPS: {message}",
