@@ -14,7 +14,7 @@ from typing import NoReturn
 from beadband import __version__
 from beadband.errors import BeadbandError
 
-RESERVED = ("pareto", "stability", "sweep", "movie", "report")
+RESERVED = ("stability", "sweep", "movie", "report")
 """Commands whose names are kept for later versions."""
 
 
@@ -67,6 +67,9 @@ def build_parser() -> argparse.ArgumentParser:
     reproduce.add_argument("--out", metavar="DIR", help="new or empty folder (default: reproduction)")
     reproduce.add_argument("--only", metavar="ITEM", help="one figure or table, as in fig18, table1 or appendix")
     reproduce.add_argument("--quick", action="store_true", help="coarser grids of scenes")
+    pareto = command("pareto", "error against cost of every method, on the same axes", scene=True)
+    pareto.add_argument("--out", metavar="DIR", help="new or empty folder (default: pareto)")
+    pareto.add_argument("--quick", action="store_true", help="fewer methods and sizes")
     for name in RESERVED:
         later = commands.add_parser(name, description="Not part of this version.", add_help=False)
         later.set_defaults(handler="reserved", name=name)

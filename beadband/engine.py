@@ -179,7 +179,9 @@ def _complaint(text: str) -> str:
     """LAMMPS' error as one line, without the place in its source, and with what usually lies behind it."""
     first = text.strip().splitlines()[0]
     message = re.sub(r"\s*\(\S+:\d+\)$", "", re.sub(r"^ERROR( on proc \d+)?:\s*", "", first))
-    if re.search(r"bond length|table (inner|outer) cutoff|non-numeric|lost atoms|missing|not finite", message, re.IGNORECASE):
+    if re.search(
+        r"bond length|table (inner|outer) cutoff|non-numeric|lost atoms|missing|not finite", message, re.IGNORECASE
+    ):
         return explain(
             "the run blew up",
             f"LAMMPS: {message}",

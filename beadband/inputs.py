@@ -168,7 +168,7 @@ def leg_data_file(leg: Leg, strand: Strand) -> str:
 
 {-reach:.17g} {3.0 * reach:.17g} xlo xhi
 {-reach:.17g} {2.0 * reach:.17g} ylo yhi
-{-0.5 * a:.17g} {0.5 * a:.17g} zlo zhi
+{-reach:.17g} {reach:.17g} zlo zhi
 
 Masses
 

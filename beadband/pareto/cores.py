@@ -21,12 +21,12 @@ from beadband.scene import Scene
 SIZES = (100, 316, 1_000, 3_162, 10_000, 31_623, 100_000, 1_000_000)
 QUICK_SIZES = (100, 1_000, 10_000)
 WAYS = ("one core", "two ranks", "two threads")
-_BEAD_STEPS = 1.5e6
-_FEWEST_STEPS, _MOST_STEPS = 6, 2000
+_BEAD_STEPS = 5e5
+_FEWEST_STEPS, _MOST_STEPS = 6, 500
 _RUNS = 5
 """In each process; the processes of the three ways take turns."""
 _FINEST_SOLVED = 3000
-_LONGEST_S = 300.0
+_LONGEST_S = 120.0
 
 
 @dataclass(frozen=True)
@@ -151,5 +151,3 @@ def pays_from(found: list[Timing], way: str) -> float | None:
     low, high = sizes[paying - 1], sizes[paying]
     share = math.log(ratio[low]) / (math.log(ratio[low]) - math.log(ratio[high]))
     return math.exp(math.log(low) + share * (math.log(high) - math.log(low)))
-
-

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from beadband.pareto.judgement import Row
+from beadband.pareto.judgement import OK, Row
 from beadband.pareto.reference import QUANTITIES, Reference
 
 Point = tuple[float, float]
@@ -30,9 +30,10 @@ def non_dominated(points: Sequence[Point]) -> list[int]:
 def frontier(rows: Sequence[Row], index: int, floor: float = 0.0) -> list[Row]:
     """The non-dominated rows for a quantity of :data:`~beadband.pareto.reference.QUANTITIES`, plans aside.
 
-    By the errors that can be relied on, and not below ``floor``, that of the reference.
+    By the errors that can be relied on, not below ``floor``, that of the reference; of methods that converge, for the
+    others pass the answer only by chance.
     """
-    candidates = [row for row in rows if row.family != "plan" and row.answer is not None]
+    candidates = [row for row in rows if row.family != "plan" and row.status == OK and row.answer is not None]
     chosen = non_dominated([(row.median_s, max(row.sure_errors[index], floor)) for row in candidates])
     return [candidates[i] for i in chosen]
 

@@ -102,14 +102,14 @@ def judged(rows: Sequence[Row], references: Mapping[str, Reference]) -> list[Row
     production = [row for row in measured if row.family == "beads"]
     done = []
     for variant in _by_variant(measured).values():
-        verdict = _verdict(variant, references)
+        verdict = _verdict(variant, production, references)
         for row in variant:
             if row.answer is None:
                 done.append(row)
                 continue
             finer = [other for other in variant if other.level >= row.level and other.answer is not None]
-            if row.family in ("step", "plan"):
-                # These are no ladder of bead counts; what a count is good for the production runs tell.
+            if row.family in ("step", "plan") or (row.family not in ("beads", "pair") and len(finer) < _ENOUGH_FINER):
+                # No ladder of bead counts, or its end: what a count is good for the production runs tell then.
                 finer = [row] if row.family == "plan" else finer
                 finer += [other for other in production if other.beads >= row.beads and other.answer is not None]
             sure = [max(_number(other.errors[i]) for other in finer) for i in range(3)]
@@ -138,8 +138,11 @@ def _by_variant(rows: Iterable[Row]) -> dict[tuple[str, str], list[Row]]:
     return {key: sorted(variant, key=lambda row: row.level) for key, variant in found.items()}
 
 
-def _verdict(variant: Sequence[Row], references: Mapping[str, Reference]) -> tuple[str, str]:
-    """Where the speed of a variant goes as it is refined, told from its two finest runs."""
+def _verdict(variant: Sequence[Row], production: Sequence[Row], references: Mapping[str, Reference]) -> tuple[str, str]:
+    """Where the speed of a variant goes as it is refined, told from its two finest runs.
+
+    A variant that agrees with the production run of as many beads goes where that goes.
+    """
     good = [row for row in variant if row.answer is not None]
     if len(good) < 2 or good[0].family in ("plan", "step"):
         return OK, ""
@@ -149,10 +152,15 @@ def _verdict(variant: Sequence[Row], references: Mapping[str, Reference]) -> tup
     main = references[MAIN]
     error = last.errors[0]
     moved = abs(last.answer.speed_m_s - before.answer.speed_m_s) / main.values[0]
-    far = error > max(5.0 * main.relative(0), _FAR)
+    twins = [row.answer.speed_m_s for row in production if row.beads == last.beads and row.answer is not None]
+    apart = max((abs(last.answer.speed_m_s / speed - 1.0) for speed in twins), default=math.inf)
+    far = min(error, apart) > max(3.0 * main.relative(0), _FAR)
     if last.own != MAIN:
         gap = references[last.own].values[0] / main.values[0] - 1.0
-        return ELSEWHERE, f"by construction: {last.own}, V {gap:+.3%}; against that {last.own_errors[0]:.3%} at its finest"
+        return (
+            ELSEWHERE,
+            f"by construction: {last.own}, V {gap:+.3%}; against that {last.own_errors[0]:.3%} at its finest",
+        )
     if far and moved < 0.5 * error:
         return ELSEWHERE, f"its two finest runs differ by {moved:.3%}, and stay {error:.3%} off"
     if far and error > 0.5 * good[0].errors[0]:
@@ -160,5 +168,6 @@ def _verdict(variant: Sequence[Row], references: Mapping[str, Reference]) -> tup
     return OK, ""
 
 
-_FAR = 7e-4
-"""Error of the finest run that is worth a verdict."""
+_FAR = 5e-4
+"""Deviation of the finest run that is worth a verdict."""
+_ENOUGH_FINER = 3

@@ -113,9 +113,7 @@ def hold_by(method: Method) -> Leg:
     """The held leg, in equilibrium of the angle energy that it will be released with."""
     plan = method.plan
     fold = FOLDS[str(method.choices.get("angle", "house"))]
-    return held_leg(
-        plan.scene.strand(plan.beads), plan.leg_bonds, plan.scene.strain, plan.scene.half_angle_rad, fold
-    )
+    return held_leg(plan.scene.strand(plan.beads), plan.leg_bonds, plan.scene.strain, plan.scene.half_angle_rad, fold)
 
 
 def write_leg(folder: Path, method: Method, leg: Leg) -> None:
@@ -134,7 +132,12 @@ def write_leg(folder: Path, method: Method, leg: Leg) -> None:
 
 def leg_script(method: Method) -> str:
     """leg_variants.in under the choices of a method."""
-    words = {"law": method.plan.scene.law.replace("-", "_"), "angle_points": ANGLE_POINTS, "pair_points": PAIR_POINTS, **method.choices}
+    words = {
+        "law": method.plan.scene.law.replace("-", "_"),
+        "angle_points": ANGLE_POINTS,
+        "pair_points": PAIR_POINTS,
+        **method.choices,
+    }
     names = dict.fromkeys(["bond", "interpolation", "angle", "dashpot_by", "stepping", "inner", "follow", *words])
     chosen = "".join(f"variable {name} delete\n" for name in [*names, "linear", "rubber"])
     chosen += "".join(f"variable {name} index {value}\n" for name, value in words.items())
@@ -166,13 +169,17 @@ def with_clock(text: str) -> str:
 def read_clock(folder: Path) -> list[float]:
     """Seconds of each run that the clock saw; RunError when it saw none."""
     try:
-        return [float(line) for line in (folder / _CLOCK).read_text(encoding="ascii").split()]
+        read = [float(word) for word in (folder / _CLOCK).read_text(encoding="ascii").split()]
+        seconds = [value for value in read if value > 0.0]  # it also says 0 before the first step
+        if not seconds:
+            raise ValueError("only zeros")
+        return seconds
     except (OSError, ValueError) as error:
         raise RunError(f"LAMMPS left no time of its steps: {error}") from error
 
 
 def _contact(plan: Plan, ring: Ring) -> inputs.Variables:
-    """Finger of ring_contact.in: F = K d^2, d the depth, so stiffness 2 K d; the middle of the arc is in equilibrium."""
+    """Finger of ring_contact.in: F = K d^2 at a depth d, so the stiffness is 2 K d; the arc is in equilibrium."""
     strand = plan.scene.strand(plan.beads)
     wrapped = ring.positions_m[ring.types == WRAPPED]
     middle = len(wrapped) // 2
