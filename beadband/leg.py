@@ -55,12 +55,13 @@ def held_leg(strand: Strand, bonds: int, strain: float, half_angle_rad: float, f
     stiff = strand.angle_coefficient_j
     opening = math.pi / 2.0 - half_angle_rad
     alpha, stretch, rest = np.zeros(bonds), np.full(bonds, held), 0.0
+    near: Array | None = None  # stretches of the step before: Newton's method is there in one or two from them
     if stiff > 0.0:
         weight = np.full(bonds, stiff)
         weight[0] = TIP_WEIGHT * stiff
         alpha = _continuous(strand, tension, held, opening, bonds)
         for _ in range(60):
-            stretch = _stretches(strand.law, tension / strand.area_m2 * np.cos(alpha), held)
+            near = stretch = _stretches(strand.law, tension / strand.area_m2 * np.cos(alpha), held, near)
             across = tension * np.sin(alpha)
             # Turning angle before each bond; the far end is free to turn.
             turning = -np.diff(alpha, prepend=opening)
@@ -113,10 +114,10 @@ def _continuous(strand: Strand, tension: float, held: float, opening: float, bon
     return guess
 
 
-def _stretches(law: Law, stress_pa: Array, at_most: float) -> Array:
-    """Stretches that carry the stresses, between 1 and ``at_most`` (Newton's method, bracketed)."""
+def _stretches(law: Law, stress_pa: Array, at_most: float, near: Array | None = None) -> Array:
+    """Stretches that carry the stresses, between 1 and ``at_most`` (Newton's method from ``near``, bracketed)."""
     low, high = np.ones_like(stress_pa), np.full_like(stress_pa, at_most)
-    stretch = 1.0 + (at_most - 1.0) * stress_pa / float(law.stress(at_most))
+    stretch = 1.0 + (at_most - 1.0) * stress_pa / float(law.stress(at_most)) if near is None else near
     for _ in range(100):
         excess = law.stress(stretch) - stress_pa
         high, low = np.where(excess > 0.0, stretch, high), np.where(excess > 0.0, low, stretch)

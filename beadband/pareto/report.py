@@ -303,9 +303,9 @@ def markdown(rows: Sequence[Row], reference: Reference, result: dict[str, Any]) 
         f"Band {scene['band']}, strain {scene['strain']:g}, half-angle {scene['half_angle_deg']:g} degrees, "
         f"{scene['law']} law.\n\nError: against {reference.values[0]:.6g} ± {reference.uncertainties[0]:.1g} m/s for "
         f"V, the limit of runs with {', '.join(map(str, reference.beads))} beads carried on to no spacing. Cost: "
-        f"seconds of the LAMMPS steps alone, on one core, median of {result['repeats']} repeats taken in turns (load average "
-        f"{result['load_average'][0]:.1f} to {result['load_average'][1]:.1f} on {result['processors']} processors). "
-        "An error is relied on (sure) if no finer run of the same method has a greater one.\n",
+        f"seconds of the LAMMPS steps alone, on one core, median of {result['repeats']} repeats taken in turns (load "
+        f"average {result['load_average'][0]:.1f} to {result['load_average'][1]:.1f} on {result['processors']} "
+        "processors). An error is relied on (sure) if no finer run of the same method has a greater one.\n",
     ]
     parts += [f"{number}. {sentence}" for number, sentence in enumerate(result["sentences"], 1)]
     for name, title in (("speed", "V"), ("curvature_01", "κ at 0.1 t_f"), ("curvature_03", "κ at 0.3 t_f")):
