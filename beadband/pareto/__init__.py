@@ -18,7 +18,7 @@ from beadband.pareto.methods import MAIN, Method, methods
 from beadband.pareto.runs import Answer, Cost, run_once
 from beadband.scene import Scene
 
-REPEATS = 5
+REPEATS = 7
 TOLERANCES = (0.02, 0.005, 0.001)
 Progress = Callable[[int, int], None]
 
@@ -29,7 +29,7 @@ def pareto(scene: Scene, folder: Path, quick: bool = False, progress: Progress |
     UsageError for a scene that a leg alone does not answer, RunError when a reference fails.
     """
     from beadband.folder import write_text
-    from beadband.pareto import charts, cores, frontier, report
+    from beadband.pareto import charts, cores, frontier, report, words
     from beadband.pareto.reference import references
     from beadband.results import versions
 
@@ -60,8 +60,8 @@ def pareto(scene: Scene, folder: Path, quick: bool = False, progress: Progress |
     write_text(folder / "pareto.csv", report.csv_text(rows))
     write_text(folder / "cores.csv", report.cores_csv(times))
     charts.draw(rows, truth[MAIN], times, folder, scene)
-    result["sentences"] = report.sentences(rows, truth[MAIN], times, result)
-    write_text(folder / "pareto.md", report.markdown(rows, truth[MAIN], result))
+    result["sentences"] = words.sentences(rows, truth[MAIN], times, result)
+    write_text(folder / "pareto.md", words.markdown(rows, truth[MAIN], result))
     text = json.dumps(report.finite(result), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
     write_text(folder / "frontier.json", text, durable=True)
     return result
@@ -69,7 +69,8 @@ def pareto(scene: Scene, folder: Path, quick: bool = False, progress: Progress |
 
 def plans(scene: Scene) -> list[Method]:
     """The plan's own choices for each purpose and tolerance, to be seen among the others."""
-    from beadband.plan import PLANNED, plan_of
+    from beadband.plan import plan_of
+    from beadband.scene import PLANNED
 
     found = []
     for purpose in ("speed", "curvature"):

@@ -91,17 +91,22 @@ def _mark(row: Row) -> str:
 def _points(axis: Any, rows: Sequence[Row], index: int, size: float, faint: bool = False) -> None:
     """Runs as marks, the spread of their repeats as bars."""
     pace = _pace(rows)
+    groups: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
-        if row.family == "plan":
-            continue
-        colour = "#cfcfcf" if faint else COLOURS[row.family]
-        cost, height, mark = _cost(row, 1e3 * row.bead_steps * pace), _height(row, index), _mark(row)
-        hollow = row.status in (ELSEWHERE, UNSETTLED)
+        if row.family != "plan":
+            groups.setdefault((row.family, _mark(row)), []).append(row)
+    for (family, mark), those in groups.items():
+        colour = "#cfcfcf" if faint else COLOURS[family]
+        costs = [_cost(row, 1e3 * row.bead_steps * pace) for row in those]
+        heights = [_height(row, index) for row in those]
+        hollow = mark in ("s", "D")
         face = {"facecolors": "none", "edgecolors": colour} if hollow else {"color": colour}
-        axis.scatter([cost], [height], s=size, marker=mark, linewidths=0.9, zorder=1 if faint else 3, **face)
-        if not faint and row.integrate_s:
-            spread = [1e3 * min(row.integrate_s), 1e3 * max(row.integrate_s)]
-            axis.plot(spread, [height, height], color=colour, lw=0.5, alpha=0.35, zorder=2)
+        axis.scatter(costs, heights, s=size, marker=mark, linewidths=0.9, zorder=1 if faint else 3, **face)
+        if not faint:
+            timed = [row for row in those if row.integrate_s]
+            least = [1e3 * min(row.integrate_s) for row in timed]
+            most = [1e3 * max(row.integrate_s) for row in timed]
+            axis.hlines([_height(row, index) for row in timed], least, most, color=colour, lw=0.5, alpha=0.35, zorder=2)
 
 
 def _pace(rows: Sequence[Row]) -> float:
@@ -130,12 +135,13 @@ def _stars(axis: Any, rows: Sequence[Row], index: int, purposes: Sequence[str], 
         x, y = 1e3 * row.median_s, _height(row, index)
         axis.scatter([x], [y], marker="*", s=190, color=_STARS[purpose], edgecolors="black", linewidths=0.8, zorder=6)
         if names:
-            shift = (9, 7) if purpose == "speed" else (9, -14)
+            shift, side = ((-8, 8), "right") if purpose == "speed" else ((8, 6), "left")
             axis.annotate(
                 f"{100.0 * row.notes['tolerance']:g} %",
                 (x, y),
                 xytext=shift,
                 textcoords="offset points",
+                ha=side,
                 fontsize=9,
                 weight="bold",
                 color="#6b5200" if purpose == "speed" else "#8a3f00",
@@ -214,6 +220,15 @@ def _line(axis: Any, rows: Sequence[Row], index: int) -> None:
             )
 
 
+_CALLS = {
+    "harmonic": "linear law",
+    "spline of linear law": "linear law",
+    "physical": "material loss",
+    "leg without bending": "no bending",
+    "lepton": "law as expression",
+    "rod": "angle as expression",
+    "numpy, step by step": "from Python",
+}
 _DEAR = 4.0
 """Times the cost of production at as many beads from which a variant is named in the chart."""
 
@@ -235,11 +250,18 @@ def _callouts(axis: Any, rows: Sequence[Row], index: int) -> None:
         x, y = [1e3 * row.median_s for row in those], [_height(row, index) for row in those]
         axis.plot(x, y, color=COLOURS[family], lw=0.8, ls=":", zorder=2)
         place = (math.log10(x[-1]), math.log10(y[-1]))
-        if any(abs(place[0] - a) < 0.9 and abs(place[1] - b) < 0.17 for a, b in taken):
+        if any(abs(place[0] - a) < 1.0 and abs(place[1] - b) < 0.17 for a, b in taken):
             continue
         taken.append(place)
         axis.annotate(
-            variant, (x[-1], y[-1]), xytext=(5, 4), textcoords="offset points", fontsize=7.5, color=COLOURS[family]
+            _CALLS.get(variant, variant),
+            (x[-1], y[-1]),
+            xytext=(7, 5),
+            textcoords="offset points",
+            fontsize=8,
+            color=COLOURS[family],
+            zorder=5,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
         )
 
 

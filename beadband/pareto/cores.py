@@ -21,10 +21,11 @@ from beadband.scene import Scene
 SIZES = (100, 316, 1_000, 3_162, 10_000, 31_623, 100_000, 1_000_000)
 QUICK_SIZES = (100, 1_000, 10_000)
 WAYS = ("one core", "two ranks", "two threads")
-_BEAD_STEPS = 5e5
-_FEWEST_STEPS, _MOST_STEPS = 6, 500
-_RUNS = 5
-"""In each process; the processes of the three ways take turns."""
+_BEAD_STEPS = 2e5
+_FEWEST_STEPS, _MOST_STEPS = 5, 300
+_RUNS, _RUNS_OF_LARGE = 12, 5
+"""In each process, short ones, for the quickest counts; the processes of the three ways take turns."""
+_LARGE = 200_000
 _FINEST_SOLVED = 3000
 _LONGEST_S = 120.0
 
@@ -54,7 +55,7 @@ def timings(scene: Scene, quick: bool, progress: Callable[[], None] | None = Non
     """Time every size in every way; what can't be run here carries the reason."""
     found = []
     for beads in QUICK_SIZES if quick else SIZES:
-        rounds = 1 if quick or beads > 200_000 else 2
+        rounds = 1 if quick or beads > _LARGE else 3
         steps = int(min(max(_BEAD_STEPS / beads, _FEWEST_STEPS), _MOST_STEPS))
         with files.scratch() as folder:
             texts = _prepare(folder, scene, beads, steps)
@@ -88,7 +89,7 @@ def _prepare(folder: Path, scene: Scene, beads: int, steps: int) -> dict[bool, s
     texts = {}
     for spread in (False, True):
         chosen = Method("cores", "leg", plan, choices={"spread": "yes"} if spread else {})
-        again = "run ${steps} pre no post no\n" * (_RUNS - 1)
+        again = "run ${steps} pre no post no\n" * ((_RUNS_OF_LARGE if beads > _LARGE else _RUNS) - 1)
         text = with_clock(leg_script(chosen)) + again
         heads = "".join(f"variable {name} index {format(value, '.17g')}\n" for name, value in variables.items())
         # A script of its own process has nothing to delete.

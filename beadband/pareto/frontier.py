@@ -58,7 +58,8 @@ def as_dict(rows: Sequence[Row], reference: Reference) -> dict[str, Any]:
         ]
         for row in rows:
             if row.family == "plan" and row.answer is not None:
-                result["plan"].append(_against(row, front, index, name, floor))
+                production = [other for other in rows if other.family == "beads" and other.answer is not None]
+                result["plan"].append(_against(row, front, production, index, name, floor))
     return result
 
 
@@ -86,11 +87,14 @@ def _entry(row: Row) -> dict[str, Any]:
     }
 
 
-def _against(row: Row, front: Sequence[Row], index: int, name: str, floor: float) -> dict[str, Any]:
+def _against(
+    row: Row, front: Sequence[Row], production: Sequence[Row], index: int, name: str, floor: float
+) -> dict[str, Any]:
     """Cost of a plan over that of the frontier, at its own error and at the tolerance that it was made for."""
     tolerance = row.notes["tolerance"]
     at_error = cheapest(front, index, row.sure_errors[index], floor)
     at_tolerance = cheapest(front, index, tolerance, floor)
+    alike = cheapest(production, index, row.sure_errors[index], floor)
     return {
         "quantity": name,
         "for": row.variant.split()[0],
@@ -99,6 +103,7 @@ def _against(row: Row, front: Sequence[Row], index: int, name: str, floor: float
         "error": row.errors[index],
         "sure_error": max(row.sure_errors[index], floor),
         "cost_over_frontier_at_its_error": row.median_s / at_error.median_s if at_error else None,
+        "cost_over_production_at_its_error": row.median_s / alike.median_s if alike else None,
         "cost_over_frontier_at_tolerance": row.median_s / at_tolerance.median_s if at_tolerance else None,
         "bead_steps_over_frontier_at_its_error": row.bead_steps / at_error.bead_steps if at_error else None,
     }

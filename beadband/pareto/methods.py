@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from beadband.errors import UsageError, explain
 from beadband.inputs import LEG_TABLE_POINTS
-from beadband.plan import LOSS_BEADS, STEP_SHARE, Plan, plan_of
+from beadband.plan import STEP_SHARE, Plan, plan_of
 from beadband.scene import Scene
 
 BEADS = (24, 34, 48, 68, 96, 136, 192, 272, 384, 544, 768, 1088, 1536, 2176)
@@ -185,20 +185,3 @@ def _integrators(scene: Scene, sizes: tuple[int, ...], quick: bool) -> Iterator[
                     choices={"stepping": f"{inside}_inside", "inner": inner},
                     level=n,
                 )
-
-
-__all__ = [
-    "BEADS",
-    "LINEAR",
-    "LOSSY",
-    "LOSS_BEADS",
-    "MAIN",
-    "QUICK_BEADS",
-    "STRING",
-    "Method",
-    "leg_plan",
-    "methods",
-    "physical_loss_s",
-    "ring_plan",
-    "with_step",
-]

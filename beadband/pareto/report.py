@@ -1,4 +1,4 @@
-"""The diagram in words and numbers: tidy tables, five sentences, and what a program reads."""
+"""The diagram in numbers: tidy tables, the table for the terminal, and what a program reads."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from beadband.pareto.cores import WAYS, Timing, pays_from
-from beadband.pareto.frontier import cheapest, frontier
 from beadband.pareto.judgement import OK, Row
 from beadband.pareto.reference import QUANTITIES, Reference
 
@@ -86,6 +85,7 @@ def _csv(heads: Sequence[str], lines: Sequence[Sequence[object]]) -> str:
 
 
 def _cell(value: object) -> object:
+    """Six digits, and nothing for what is no number."""
     if isinstance(value, float):
         return f"{value:.6g}" if math.isfinite(value) else ""
     return value
@@ -143,120 +143,8 @@ def cores_dict(times: list[Timing]) -> dict[str, Any]:
     }
 
 
-def name_of(row: Row) -> str:
-    """A row as a reader knows it."""
-    words = {"beads": "production", "pair": "Richardson pair"}.get(row.family)
-    return words if words else f"{row.family} {row.variant}"
-
-
-def percent(value: float) -> str:
-    return f"{100.0 * value:.2g} %"
-
-
-def sentences(rows: Sequence[Row], reference: Reference, times: Sequence[Timing], result: dict[str, Any]) -> list[str]:
-    """What the charts say, in five sentences made of their numbers."""
-    return [
-        _speed_sentence(rows, reference),
-        _curvature_sentence(rows, reference),
-        _plan_sentence(result),
-        _integrator_sentence(rows),
-        _cores_sentence(times),
-    ]
-
-
-def _steps_of(rows: Sequence[Row], reference: Reference, index: int, errors: Sequence[float]) -> list[str]:
-    floor = reference.relative(index)
-    front = frontier(rows, index, floor)
-    found = []
-    for error in errors:
-        best = cheapest(front, index, error)
-        if best is None:
-            found.append(f"{percent(error)} was not reached")
-        else:
-            found.append(f"{percent(error)} in {1e3 * best.median_s:.2g} ms ({name_of(best)}, {best.beads} beads)")
-    return found
-
-
-def _speed_sentence(rows: Sequence[Row], reference: Reference) -> str:
-    leg = [row for row in rows if row.family == "beads" and row.answer]
-    ring = [row for row in rows if row.model == "ring files" and row.answer]
-    text = "V can be had to " + ", to ".join(_steps_of(rows, reference, 0, (0.02, 0.005, 0.001)))
-    if leg and ring:
-        same = [(r, one) for r in ring for one in leg if one.beads == r.beads]
-        ratios = [r.median_s / one.median_s for r, one in same]
-        text += (
-            f"; the whole ring with all files costs {min(ratios):.0f} to {max(ratios):.0f} times as much at equal "
-            "beads and is no nearer"
-        )
-    return text + "."
-
-
-def _curvature_sentence(rows: Sequence[Row], reference: Reference) -> str:
-    if not math.isfinite(reference.values[1]):
-        return "The scene has no tip curvature."
-    near = " and ".join(
-        f"at {when} t_f to " + ", to ".join(_steps_of(rows, reference, index, (0.05, 0.01)))
-        for index, when in ((1, "0.1"), (2, "0.3"))
-    )
-    return f"The windowed tip curvature needs more beads, whatever the method: {near}."
-
-
-def _plan_sentence(result: dict[str, Any]) -> str:
-    own = [entry for entry in result["plan"] if (entry["quantity"] == "speed") == (entry["for"] == "speed")]
-    ratios = [entry["cost_over_frontier_at_its_error"] for entry in own if entry["cost_over_frontier_at_its_error"]]
-    kept = sum(entry["error"] <= entry["tolerance"] for entry in own if entry["quantity"] == "speed")
-    made = sum(entry["quantity"] == "speed" for entry in own)
-    ratio = f"{min(ratios):.2g} to {max(ratios):.2g} times" if ratios else "an unknown multiple of"
-    return (
-        f"The plan keeps V within {kept} of {made} tolerances and costs {ratio} the cheapest run of the whole diagram "
-        "that can be relied on for the same error."
-    )
-
-
-def _integrator_sentence(rows: Sequence[Row]) -> str:
-    gains = []
-    production = {row.beads: row for row in rows if row.family == "beads" and row.answer}
-    blown = 0
-    for row in rows:
-        if row.family != "integrator":
-            continue
-        plain = production.get(row.beads)
-        if row.answer is None:
-            blown += 1
-        elif plain is not None and row.errors[0] <= max(1.5 * plain.errors[0], 1e-3):
-            gains.append((plain.median_s / row.median_s, row))
-    slow = [
-        (row.median_s / production[row.beads].median_s, row)
-        for row in rows
-        if row.variant == "lepton" and row.answer and row.beads in production
-    ]
-    text = "Table points and the form of the angle hardly move a run along either axis"
-    if slow:
-        text += f", an expression (lepton) costs {min(slow)[0]:.0f} to {max(slow)[0]:.0f} times as much"
-    if gains:
-        best, row = max(gains, key=lambda gain: gain[0])
-        text += f", and rRESPA gains at best {best:.2g} times ({row.variant}, {row.beads} beads)"
-    return text + f", with {blown} of its runs blown up by resonance."
-
-
-def _cores_sentence(times: Sequence[Timing]) -> str:
-    alone = [t for t in times if t.way == WAYS[0] and t.seconds]
-    parts = []
-    for way in WAYS[1:]:
-        start = pays_from(list(times), way)
-        parts.append(
-            f"{way} pay from {start:.2g} beads on" if start else f"{way} never pay up to {times[-1].beads} beads"
-        )
-    cost = (
-        f"a bead and step cost {alone[0].least_ns:.0f} ns at {alone[0].beads} beads and "
-        f"{alone[-1].least_ns:.0f} ns at {alone[-1].beads}"
-        if alone
-        else "one core could not be timed"
-    )
-    return f"On one core {cost}; {' and '.join(parts)}."
-
-
-def _full_name(entry: dict[str, Any]) -> str:
+def full_name(entry: dict[str, Any]) -> str:
+    """Family and variant of an entry of frontier.json."""
     return f"{entry['family']}: {entry['variant']}"
 
 
@@ -273,7 +161,7 @@ def table(result: dict[str, Any]) -> str:
             continue
         lines.append(f"frontier, {title}".ljust(46) + "beads    steps     ms   error   sure")
         lines += [
-            f"  {_full_name(entry):42.42s} {entry['beads']:6d} {entry['steps']:8d} "
+            f"  {full_name(entry):42.42s} {entry['beads']:6d} {entry['steps']:8d} "
             f"{1e3 * entry['integrate_s']:6.2f} {100 * entry['error']:6.2f}% {100 * entry['sure_error']:5.2f}%"
             for entry in front
         ]
@@ -292,54 +180,3 @@ def table(result: dict[str, Any]) -> str:
         for entry in result["not_converging"]
     ]
     return "\n".join(lines)
-
-
-def markdown(rows: Sequence[Row], reference: Reference, result: dict[str, Any]) -> str:
-    """pareto.md: the sentences, the frontier, the plan, and everything that went elsewhere."""
-    del rows
-    scene = result["scene"]
-    parts = [
-        "# Error against cost\n",
-        f"Band {scene['band']}, strain {scene['strain']:g}, half-angle {scene['half_angle_deg']:g} degrees, "
-        f"{scene['law']} law.\n\nError: against {reference.values[0]:.6g} ± {reference.uncertainties[0]:.1g} m/s for "
-        f"V, the limit of runs with {', '.join(map(str, reference.beads))} beads carried on to no spacing. Cost: "
-        f"seconds of the LAMMPS steps alone, on one core, median of {result['repeats']} repeats taken in turns (load "
-        f"average {result['load_average'][0]:.1f} to {result['load_average'][1]:.1f} on {result['processors']} "
-        "processors). An error is relied on (sure) if no finer run of the same method has a greater one.\n",
-    ]
-    parts += [f"{number}. {sentence}" for number, sentence in enumerate(result["sentences"], 1)]
-    for name, title in (("speed", "V"), ("curvature_01", "κ at 0.1 t_f"), ("curvature_03", "κ at 0.3 t_f")):
-        front = result["frontier"].get(name)
-        if front is None:
-            continue
-        parts += [
-            f"\n## Frontier of {title}\n",
-            "| method | beads | steps | ms | error | sure error |",
-            "|---|---|---|---|---|---|",
-        ]
-        parts += [
-            f"| {entry['family']}: {entry['variant']} | {entry['beads']} | {entry['steps']} | "
-            f"{1e3 * entry['integrate_s']:.2f} | {100 * entry['error']:.3f} % | {100 * entry['sure_error']:.3f} % |"
-            for entry in front
-        ]
-    parts += [
-        "\n## The plan\n",
-        "| for | tolerance | of | beads | steps | ms | error | sure error "
-        "| cost over frontier at this error, at tolerance |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    for entry in result["plan"]:
-        ratios = [entry["cost_over_frontier_at_its_error"], entry["cost_over_frontier_at_tolerance"]]
-        shown = ", ".join("none" if ratio is None else f"{ratio:.2f}" for ratio in ratios)
-        parts.append(
-            f"| {entry['for']} | {100 * entry['tolerance']:g} % | {entry['quantity']} | {entry['beads']} | "
-            f"{entry['steps']} | {1e3 * entry['integrate_s']:.2f} | {100 * entry['error']:.3f} % | "
-            f"{100 * entry['sure_error']:.3f} % | {shown} |"
-        )
-    parts += ["\n## Not to the same answer\n", "| method | beads | what happens | why |", "|---|---|---|---|"]
-    parts += [
-        f"| {entry['family']}: {entry['variant']} | {', '.join(map(str, entry['beads']))} | {entry['status']} | "
-        f"{entry['reason'].split(';')[0] if entry['status'] == 'blew up' else entry['reason']} |"
-        for entry in result["not_converging"]
-    ]
-    return "\n".join(parts) + "\n"

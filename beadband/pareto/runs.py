@@ -15,7 +15,7 @@ from beadband.analysis.measurement import Rear, measure, measure_rear
 from beadband.analysis.tip import hann_mean
 from beadband.analysis.trajectory import Trajectory, read, read_path
 from beadband.engine import Session
-from beadband.errors import BeadbandError, RunError
+from beadband.errors import RunError
 from beadband.follow import hold, reading_own_files
 from beadband.leg import Leg, held_leg
 from beadband.pareto.folds import ANGLE_POINTS, FOLDS, angle_table
@@ -231,7 +231,7 @@ def answer_of(plan: Plan, trajectory: Trajectory, averaged: bool = True) -> Answ
             # Seen as means over single steps: times are then those of the steps.
             rear = measure_rear(plan, trajectory)
             rear = Rear(
-                trajectory.steps * plan.timestep_s,
+                np.asarray(trajectory.steps * plan.timestep_s, dtype=np.float64),
                 rear.tip_x_m,
                 rear.tip_speed_m_s,
                 rear.tip_curvature_1_m,
@@ -259,6 +259,3 @@ def _slope(plan: Plan, rear: Rear) -> float:
         return slope(rear.times_s, rear.tip_x_m, start, end).value
     except ValueError as error:
         raise RunError(str(error)) from error
-
-
-__all__ = ["Answer", "BeadbandError", "Cost", "run_once", "with_clock"]
