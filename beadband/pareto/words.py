@@ -157,8 +157,9 @@ def markdown(rows: Sequence[Row], reference: Reference, result: dict[str, Any]) 
         f"the time of the LAMMPS steps alone, on one core, the median of {result['repeats']} repeats taken in turns "
         f"(load average {result['load_average'][0]:.1f} to {result['load_average'][1]:.1f} on {result['processors']} "
         "processors; a bar spans all repeats). A lucky error, where the curve of a method crosses the truth, is no "
-        "merit: the frontier counts the largest error of a run and all finer ones of its method (sure error), and leaves out "
-        "what does not converge to the same answer. Every run is in `pareto.csv`; `beadband pareto` repeats it all.\n",
+        "merit: the frontier counts the largest error of a run and of all finer ones of its method (sure error), and "
+        "leaves out what does not converge to the same answer. Every run is in `pareto.csv`; `beadband pareto` repeats "
+        "them all.\n",
     ]
     for name, title in (("speed", "V"), ("curvature_01", "κ at 0.1 t_f"), ("curvature_03", "κ at 0.3 t_f")):
         front = result["frontier"].get(name)
