@@ -18,7 +18,7 @@ from beadband.pareto.methods import MAIN, Method, methods
 from beadband.pareto.runs import Answer, Cost, run_once
 from beadband.scene import Scene
 
-REPEATS = 7
+REPEATS, QUICK_REPEATS = 7, 5
 TOLERANCES = (0.02, 0.005, 0.001)
 Progress = Callable[[int, int], None]
 
@@ -34,12 +34,13 @@ def pareto(scene: Scene, folder: Path, quick: bool = False, progress: Progress |
     from beadband.results import versions
 
     start = time.perf_counter()
+    repeats = QUICK_REPEATS if quick else REPEATS
     compared = [*methods(scene, quick), *plans(scene)]
     kinds = list(dict.fromkeys([MAIN, *(method.own for method in compared)]))
     load_before = os.getloadavg()[0]
     with Session() as session:
         truth = references(scene, quick, session, kinds)
-        rows = measured(compared, session, progress)
+        rows = measured(compared, session, progress, repeats)
     rows = judged([*rows, *pairs(rows)], truth)
     times = cores.timings(scene, quick)
     result = frontier.as_dict(rows, truth[MAIN])
@@ -47,7 +48,7 @@ def pareto(scene: Scene, folder: Path, quick: bool = False, progress: Progress |
         {
             "scene": scene.as_dict(),
             "quick": quick,
-            "repeats": REPEATS,
+            "repeats": repeats,
             "other_references": {name: report.reference_dict(one) for name, one in truth.items() if name != MAIN},
             "not_converging": report.strays(rows),
             "cores": report.cores_dict(times),

@@ -23,7 +23,7 @@ def draw(rows: Sequence[Row], reference: Reference, times: Sequence[Timing], fol
     what = f"band {scene.band.name}, strain {scene.strain:g}, {scene.half_angle_deg:g}°, {scene.law}"
     written = _speed(rows, reference, folder, what)
     written += _methods(rows, reference, folder, what)
-    if math.isfinite(reference.values[1]):
+    if any(map(math.isfinite, reference.values[1:])):
         written += _curvature(rows, reference, folder, what)
     return written + _cores(times, folder)
 
@@ -93,6 +93,9 @@ def _curvature(rows: Sequence[Row], reference: Reference, folder: Path, what: st
     for axis, index, when in ((axes[0], 1, "0.1"), (axes[1], 2, "0.3")):
         marks.error_axis(axis)
         axis.set_ylim(0.5e-4, 1.6)
+        if not math.isfinite(reference.values[index]):
+            axis.set_title(f"tip curvature around {when} t_f: not known well enough", fontsize=10.5, loc="left")
+            continue
         marks.points(axis, rows, index, 13.0)
         marks.front_line(axis, rows, index, reference, None)
         marks.stars(axis, rows, index, ("curvature",), True)
@@ -202,15 +205,16 @@ def _cores(times: Sequence[Timing], folder: Path) -> list[Path]:
         gain = [alone[t.beads] / t.least_ns for t in good]
         axes[1].plot([t.beads for t in good], gain, "o-", color=colours[way], ms=4)
         start = pays_from(list(times), way)
-        says = f"{way}: pay from {start:.1e} beads" if start else f"{way}: never pay here"
+        says = f"{way}: pay from about {start:.0e} beads" if start else f"{way}: never pay here"
         axes[1].annotate(
             says,
             (good[-1].beads, gain[-1]),
-            xytext=(-6, 8),
+            xytext=(-6, 12 if way == WAYS[1] else -16),
             textcoords="offset points",
             color=colours[way],
             fontsize=9,
             ha="right",
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
         )
     axes[1].axhline(1.0, color="#444444", lw=0.8)
     axes[1].axhline(2.0, color="#444444", lw=0.8, ls=":")

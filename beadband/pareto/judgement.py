@@ -167,7 +167,7 @@ def _verdict(variant: Sequence[Row], production: Sequence[Row], references: Mapp
             ELSEWHERE,
             f"by construction: {last.own}, V {gap:+.3%}; against that {last.own_errors[0]:.3%} at its finest",
         )
-    if far and moved < 0.5 * error:
+    if far and moved < _STANDING * error:
         return ELSEWHERE, f"its two finest runs differ by {moved:.3%}, and stay {error:.3%} off"
     if far and error > 0.5 * good[0].errors[0]:
         return UNSETTLED, f"still {error:.3%} off with {last.beads} beads, {good[0].errors[0]:.3%} with {good[0].beads}"
@@ -177,3 +177,6 @@ def _verdict(variant: Sequence[Row], production: Sequence[Row], references: Mapp
 _FAR = 5e-4
 """Deviation of the finest run that is worth a verdict."""
 _ENOUGH_FINER = 3
+_STANDING = 0.2
+"""Change between the two finest runs, over their error, below which a method stands still: one of the first order whose
+runs are a factor of sqrt(2) apart changes by 0.41 of it."""

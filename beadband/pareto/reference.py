@@ -23,6 +23,8 @@ from beadband.plan import Plan
 from beadband.scene import Scene
 
 QUANTITIES = ("speed", "curvature_01", "curvature_03")
+_WORST = 0.05
+"""Relative uncertainty of a curvature beyond which it is no reference: the beads are too coarse, or it passes zero."""
 _ORDERS = (1, 2, 2)
 """Of the error in the spacing: the numerical loss is of the first order, what it does to the curvature is small."""
 
@@ -68,8 +70,20 @@ def references(scene: Scene, quick: bool, session: Session, kinds: Sequence[str]
         plans = [_plan(scene, kind, count) for count in counts]
         answers = [run_once(Method("reference", kind, plan), session)[0] for plan in plans]
         orders = (2, 2, 2) if kind == LOSSY else _ORDERS
-        found[kind] = extrapolated(kind, [plan.beads for plan in plans], [quantities(one) for one in answers], orders)
+        one = extrapolated(kind, [plan.beads for plan in plans], [quantities(one) for one in answers], orders)
+        found[kind] = _without_unknown(one, scene.bending_stiffness_n_m2 == 0.0)
     return found
+
+
+def _without_unknown(reference: Reference, straight: bool) -> Reference:
+    """Curvatures that are not known well enough, or that there are none of without bending, as NaN."""
+    values, spreads = list(reference.values), list(reference.uncertainties)
+    for index in (1, 2):
+        if straight or not spreads[index] <= _WORST * abs(values[index]):
+            values[index] = spreads[index] = math.nan
+    return replace(
+        reference, values=(values[0], values[1], values[2]), uncertainties=(spreads[0], spreads[1], spreads[2])
+    )
 
 
 def _plan(scene: Scene, kind: str, beads: int) -> Plan:
