@@ -55,7 +55,7 @@ def timings(scene: Scene, quick: bool, progress: Callable[[], None] | None = Non
     """Time every size in every way; what can't be run here carries the reason."""
     found = []
     for beads in QUICK_SIZES if quick else SIZES:
-        rounds = 1 if quick or beads > _LARGE else 3
+        rounds = 1 if quick else 2 if beads > _LARGE else 3
         steps = int(min(max(_BEAD_STEPS / beads, _FEWEST_STEPS), _MOST_STEPS))
         with files.scratch() as folder:
             texts = _prepare(folder, scene, beads, steps)

@@ -33,15 +33,20 @@ def frontier(rows: Sequence[Row], index: int, floor: float = 0.0) -> list[Row]:
     By the errors that can be relied on, not below ``floor``, that of the reference; of methods that converge, for the
     others pass the answer only by chance.
     """
-    candidates = [row for row in rows if row.family != "plan" and row.status == OK and row.answer is not None]
+    candidates = reliable(rows)
     chosen = non_dominated([(row.median_s, max(row.sure_errors[index], floor)) for row in candidates])
     return [candidates[i] for i in chosen]
 
 
-def cheapest(front: Iterable[Row], index: int, error: float, floor: float = 0.0) -> Row | None:
-    """The cheapest row of a frontier that keeps within an error."""
-    within = [row for row in front if max(row.sure_errors[index], floor) <= max(error, floor)]
-    return min(within, key=lambda row: row.median_s) if within else None
+def reliable(rows: Iterable[Row]) -> list[Row]:
+    """Runs of methods that converge to the same answer, plans aside."""
+    return [row for row in rows if row.family != "plan" and row.status == OK and row.answer is not None]
+
+
+def cheapest(rows: Iterable[Row], index: int, error: float, floor: float = 0.0) -> Row | None:
+    """The row with the quickest repeat that keeps within an error."""
+    within = [row for row in rows if max(row.sure_errors[index], floor) <= max(error, floor)]
+    return min(within, key=lambda row: row.least_s) if within else None
 
 
 def as_dict(rows: Sequence[Row], reference: Reference) -> dict[str, Any]:
@@ -58,8 +63,7 @@ def as_dict(rows: Sequence[Row], reference: Reference) -> dict[str, Any]:
         ]
         for row in rows:
             if row.family == "plan" and row.answer is not None:
-                production = [other for other in rows if other.family == "beads" and other.answer is not None]
-                result["plan"].append(_against(row, front, production, index, name, floor))
+                result["plan"].append(_against(row, reliable(rows), index, name, floor))
     return result
 
 
@@ -82,19 +86,17 @@ def _entry(row: Row) -> dict[str, Any]:
         "steps": row.steps,
         "bead_steps": row.bead_steps,
         "integrate_s": row.median_s,
-        "integrate_min_s": min(row.integrate_s),
+        "integrate_min_s": row.least_s,
         "relax_s": row.relax_s,
     }
 
 
-def _against(
-    row: Row, front: Sequence[Row], production: Sequence[Row], index: int, name: str, floor: float
-) -> dict[str, Any]:
-    """Cost of a plan over that of the frontier, at its own error and at the tolerance that it was made for."""
+def _against(row: Row, others: Sequence[Row], index: int, name: str, floor: float) -> dict[str, Any]:
+    """Cost of a plan over the cheapest of other runs, at its own error and at the tolerance that it was made for."""
     tolerance = row.notes["tolerance"]
-    at_error = cheapest(front, index, row.sure_errors[index], floor)
-    at_tolerance = cheapest(front, index, tolerance, floor)
-    alike = cheapest(production, index, row.sure_errors[index], floor)
+    at_error = cheapest(others, index, row.sure_errors[index], floor)
+    at_tolerance = cheapest(others, index, tolerance, floor)
+    alike = cheapest([other for other in others if other.family == "beads"], index, row.sure_errors[index], floor)
     return {
         "quantity": name,
         "for": row.variant.split()[0],
@@ -102,8 +104,8 @@ def _against(
         **_entry(row),
         "error": row.errors[index],
         "sure_error": max(row.sure_errors[index], floor),
-        "cost_over_frontier_at_its_error": row.median_s / at_error.median_s if at_error else None,
-        "cost_over_production_at_its_error": row.median_s / alike.median_s if alike else None,
-        "cost_over_frontier_at_tolerance": row.median_s / at_tolerance.median_s if at_tolerance else None,
+        "cost_over_frontier_at_its_error": row.least_s / at_error.least_s if at_error else None,
+        "cost_over_production_at_its_error": row.least_s / alike.least_s if alike else None,
+        "cost_over_frontier_at_tolerance": row.least_s / at_tolerance.least_s if at_tolerance else None,
         "bead_steps_over_frontier_at_its_error": row.bead_steps / at_error.bead_steps if at_error else None,
     }

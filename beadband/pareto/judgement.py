@@ -49,6 +49,11 @@ class Row:
     def median_s(self) -> float:
         return median(self.integrate_s) if self.integrate_s else math.nan
 
+    @property
+    def least_s(self) -> float:
+        """The quickest repeat: what ratios of costs are taken from, for other work on the machine only adds."""
+        return min(self.integrate_s, default=math.nan)
+
 
 def row_of(method: Method, costs: Sequence[Cost], answer: Answer | None, reason: str = "") -> Row:
     """The row of a method's repeats; without an answer it blew up, for the reason given."""

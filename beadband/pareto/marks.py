@@ -51,7 +51,7 @@ def save(figure: Any, folder: Path, name: str) -> list[Path]:
     from matplotlib import pyplot
 
     paths = [folder / f"{name}.{ending}" for ending in ("png", "svg")]
-    figure.savefig(paths[0], dpi=110)
+    figure.savefig(paths[0], dpi=100)
     figure.savefig(paths[1], metadata={"Date": None})
     pyplot.close(figure)
     return paths
