@@ -14,9 +14,6 @@ from typing import NoReturn
 from beadband import __version__
 from beadband.errors import BeadbandError
 
-RESERVED = ("pareto",)
-"""Commands whose names are kept for later versions."""
-
 
 class _Parser(argparse.ArgumentParser):
     """A parser that complains in one line, and takes the options of a scene only when its command was chosen."""
@@ -91,9 +88,9 @@ def build_parser() -> argparse.ArgumentParser:
     stability.add_argument("--out", metavar="DIR", help="new or empty folder (default: stability)")
     stability.add_argument("--only", metavar="NAME", help="one entry of the catalogue, or map or releases")
     stability.add_argument("--quick", action="store_true", help="fewer specimens and shorter runs")
-    for name in RESERVED:
-        later = commands.add_parser(name, description="Not part of this version.", add_help=False)
-        later.set_defaults(handler="reserved", name=name)
+    pareto = command("pareto", "error against cost of every method, on the same axes", scene=True)
+    pareto.add_argument("--out", metavar="DIR", help="new or empty folder (default: pareto)")
+    pareto.add_argument("--quick", action="store_true", help="fewer methods and sizes")
     return parser
 
 
@@ -101,13 +98,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code: 0 done, 1 failed, 2 wrong usage, 3 a physics check failed."""
     parser = build_parser()
     arguments, unknown = parser.parse_known_args(argv)
-    if arguments.handler == "reserved":
-        print(
-            f"beadband {arguments.name}: this command is not part of version {__version__}; "
-            "see 'beadband --help' for those that are",
-            file=sys.stderr,
-        )
-        return 2
     if unknown:
         parser.error(f"unrecognized arguments: {' '.join(unknown)}")
     return guarded(lambda: _handler(arguments.handler)(arguments), f"beadband {arguments.command}")

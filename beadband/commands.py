@@ -179,6 +179,19 @@ def stability(arguments: Namespace) -> int:
     return 3 if found.failed else 0
 
 
+def pareto(arguments: Namespace) -> int:
+    """Draw the work-precision diagram."""
+    from beadband import folder, pareto
+    from beadband.pareto import report
+
+    scene = scene_of(scene_values(arguments))
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("pareto"))
+    result = pareto.pareto(scene, out, arguments.quick, _Progress("run") if sys.stderr.isatty() else None)
+    print(json.dumps(report.finite(result), indent=1) if arguments.json else report.table(result))
+    print(f"files in {out}; {result['wall_s']:.0f} s", file=sys.stderr)
+    return 0
+
+
 def _name(scene: Scene) -> str:
     return f"{scene.until}-{scene.band.name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
 

@@ -107,6 +107,11 @@ class Session:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    @property
+    def instance(self) -> Any:
+        """The instance as the last run left it, None before the first and after a failed one."""
+        return self._instance
+
     def close(self) -> None:
         """Close the instance and remove the folder."""
         self._drop()
@@ -185,7 +190,9 @@ def _complaint(text: str, instance: Any = None) -> str:
     first = text.strip().splitlines()[0]
     message = re.sub(r"\s*\(\S+:\d+\)$", "", re.sub(r"^ERROR( on proc \d+)?:\s*", "", first))
     if re.search(
-        r"bond length|illegal bond|non-numeric|lost atoms|missing|not finite|fix-id guard", message, re.IGNORECASE
+        r"bond length|illegal bond|table (inner|outer) cutoff|non-numeric|lost atoms|missing|not finite|fix-id guard",
+        message,
+        re.IGNORECASE,
     ):
         from beadband.blowup import examine
 

@@ -125,12 +125,17 @@ def script_text(name: str) -> str:
 
 def script(plan: Plan, ring: Ring, pictures: bool) -> str:
     """The release script under the variables of this plan."""
+    return with_variables(SCRIPT, ring_variables(plan, ring, pictures))
+
+
+def ring_variables(plan: Plan, ring: Ring, pictures: bool) -> Variables:
+    """What release.in needs to know."""
     strand = plan.scene.strand(plan.beads)
     cutoff = dashpot_cutoff_m(ring)
     loss_every = max(1, plan.frame_steps // _LOSS_SAMPLES)
     while plan.frame_steps % loss_every:
         loss_every -= 1
-    variables: Variables = {
+    return {
         "beads": plan.beads,
         "table_points": TABLE_POINTS,
         "angle_coefficient": strand.angle_coefficient_j,
@@ -150,7 +155,6 @@ def script(plan: Plan, ring: Ring, pictures: bool) -> str:
         "loss_every": loss_every if pictures else 1,
         "loss_average": plan.frame_steps // loss_every if pictures else 1,
     }
-    return with_variables(SCRIPT, variables)
 
 
 def dashpot_cutoff_m(ring: Ring) -> float:
@@ -187,7 +191,7 @@ def leg_data_file(leg: Leg, strand: Strand) -> str:
 
 {-reach:.17g} {3.0 * reach:.17g} xlo xhi
 {-reach:.17g} {2.0 * reach:.17g} ylo yhi
-{-0.5 * a:.17g} {0.5 * a:.17g} zlo zhi
+{-reach:.17g} {reach:.17g} zlo zhi
 
 Masses
 

@@ -13,6 +13,7 @@ the least of  sum of K f(turning) - a A W*(T cos alpha / A)  over the alphas, W*
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,23 +41,31 @@ class Leg:
     """Largest moment out of balance on a bond, over tension and bead spacing."""
 
 
-def held_leg(strand: Strand, bonds: int, strain: float, half_angle_rad: float) -> Leg:
-    """Solve for the held leg of ``bonds`` bonds by Newton's method; RunError when it does not settle."""
+Fold = Callable[[Array], tuple[Array, Array, Array]]
+"""Energy of turning angles over the angle coefficient, and its first and second derivative by the angle."""
+
+
+def held_leg(strand: Strand, bonds: int, strain: float, half_angle_rad: float, fold: Fold = fold_energy) -> Leg:
+    """Solve for the held leg of ``bonds`` bonds by Newton's method; RunError when it does not settle.
+
+    ``fold`` is the energy of the angles that will be released; a leg held by another is not in equilibrium.
+    """
     a, held = strand.spacing_m, 1.0 + strain
     tension = strand.area_m2 * float(strand.law.stress(held))
     stiff = strand.angle_coefficient_j
     opening = math.pi / 2.0 - half_angle_rad
     alpha, stretch, rest = np.zeros(bonds), np.full(bonds, held), 0.0
+    near: Array | None = None  # stretches of the step before: Newton's method is there in one or two from them
     if stiff > 0.0:
         weight = np.full(bonds, stiff)
         weight[0] = TIP_WEIGHT * stiff
         alpha = _continuous(strand, tension, held, opening, bonds)
         for _ in range(60):
-            stretch = _stretches(strand.law, tension / strand.area_m2 * np.cos(alpha), held)
+            near = stretch = _stretches(strand.law, tension / strand.area_m2 * np.cos(alpha), held, near)
             across = tension * np.sin(alpha)
             # Turning angle before each bond; the far end is free to turn.
             turning = -np.diff(alpha, prepend=opening)
-            _, slope, curve = fold_energy(turning)
+            _, slope, curve = fold(turning)
             moment = weight * slope
             unbalanced = a * stretch * across - moment
             unbalanced[:-1] += moment[1:]
@@ -77,6 +86,20 @@ def held_leg(strand: Strand, bonds: int, strain: float, half_angle_rad: float) -
                     "change --beads",
                 )
             )
+    return _laid_out(strand.spacing_m, alpha, stretch, half_angle_rad, tension, rest)
+
+
+def smooth_leg(strand: Strand, bonds: int, strain: float, half_angle_rad: float) -> Leg:
+    """The leg as a continuous band would lie: for chains so fine that rounding keeps :func:`held_leg` from settling."""
+    held = 1.0 + strain
+    tension = strand.area_m2 * float(strand.law.stress(held))
+    alpha = _continuous(strand, tension, held, math.pi / 2.0 - half_angle_rad, bonds)
+    stretch = _stretches(strand.law, tension / strand.area_m2 * np.cos(alpha), held)
+    return _laid_out(strand.spacing_m, alpha, stretch, half_angle_rad, tension, math.nan)
+
+
+def _laid_out(a: float, alpha: Array, stretch: Array, half_angle_rad: float, tension: float, rest: float) -> Leg:
+    """The leg whose bonds have the directions ``alpha`` from its line and these stretches."""
     direction = half_angle_rad + alpha
     bond = (a * stretch)[:, None] * np.stack([np.cos(direction), np.sin(direction)], axis=1)
     positions = np.concatenate([np.zeros((1, 2)), np.cumsum(bond, axis=0)])
@@ -91,10 +114,10 @@ def _continuous(strand: Strand, tension: float, held: float, opening: float, bon
     return guess
 
 
-def _stretches(law: Law, stress_pa: Array, at_most: float) -> Array:
-    """Stretches that carry the stresses, between 1 and ``at_most`` (Newton's method, bracketed)."""
+def _stretches(law: Law, stress_pa: Array, at_most: float, near: Array | None = None) -> Array:
+    """Stretches that carry the stresses, between 1 and ``at_most`` (Newton's method from ``near``, bracketed)."""
     low, high = np.ones_like(stress_pa), np.full_like(stress_pa, at_most)
-    stretch = 1.0 + (at_most - 1.0) * stress_pa / float(law.stress(at_most))
+    stretch = 1.0 + (at_most - 1.0) * stress_pa / float(law.stress(at_most)) if near is None else near
     for _ in range(100):
         excess = law.stress(stretch) - stress_pa
         high, low = np.where(excess > 0.0, stretch, high), np.where(excess > 0.0, low, stretch)

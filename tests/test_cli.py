@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from beadband.cli import RESERVED, main
+from beadband.cli import main
 from beadband.results import Run
 
 
@@ -55,12 +55,6 @@ def test_bad_input_is_one_line_and_exit_2(
     assert said.err.count("\n") == 1
     assert said.err.startswith("beadband")
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("name", RESERVED)
-def test_reserved_commands_are_refused(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([name, "--whatever", "3"]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_help_needs_nothing_heavy() -> None:
