@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -77,7 +77,7 @@ def run_grid(
         return Swept((), {})
     if out is None:
         rows: dict[str, Row] = {}
-        totals = _work(grid, rows, lambda row: rows.__setitem__(row["key"], row), jobs, follow)
+        totals = _work(grid, rows, lambda found: rows.update((row["key"], row) for row in found), jobs, follow)
         ordered = [rows[key_of(values)] for values in grid.scenes() if key_of(values) in rows]
         return Swept(tuple(ordered), _summary(grid, ordered, totals))
     with Store(out, grid) as store:
@@ -90,7 +90,7 @@ def run_grid(
 
 
 def _work(
-    grid: Grid, known: dict[str, Row], add: Callable[[Row], None], jobs: int, follow: Follow | None
+    grid: Grid, known: dict[str, Row], add: Callable[[Sequence[Row]], None], jobs: int, follow: Follow | None
 ) -> dict[str, Any]:
     """Release what is missing; how long it took, and how much of it was LAMMPS."""
     missing = {key_of(values): values for values in grid.scenes() if key_of(values) not in known}
@@ -99,8 +99,7 @@ def _work(
     if follow:
         follow(total - len(missing), total)
     for rows, spent_s, lammps_s in workers.run(list(missing.values()), jobs):
-        for row in rows:
-            add(row)
+        add(rows)
         busy, inside = busy + spent_s, inside + lammps_s
         if follow:
             follow(len(known), total)

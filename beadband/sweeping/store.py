@@ -11,7 +11,7 @@ import csv
 import fcntl
 import io
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -118,10 +118,10 @@ class Store:
             self._handle.close()
             self._handle = None
 
-    def add(self, row: Row) -> None:
-        """Append a finished row; RunError when the disk refuses."""
-        self.rows[row["key"]] = row
-        self._write([row])
+    def add(self, rows: Sequence[Row]) -> None:
+        """Append finished rows, whole ones only should the process be killed; RunError when the disk refuses."""
+        self.rows.update((row["key"], row) for row in rows)
+        self._write(rows)
 
     def _write(self, rows: Iterable[Row]) -> None:
         assert self._handle is not None
@@ -143,8 +143,8 @@ class Store:
 
     def _text(self, rows: Iterable[Row]) -> str:
         text = io.StringIO()
-        writer = csv.DictWriter(text, self.columns, restval="", lineterminator="\n")
-        writer.writerows(rows)
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerows([row.get(column, "") for column in self.columns] for row in rows)
         return text.getvalue()
 
     def ordered(self) -> list[Row]:
