@@ -176,7 +176,7 @@ def markdown(rows: Sequence[Row], reference: Reference, result: dict[str, Any]) 
         f"(load average {result['load_average'][0]:.1f} to {result['load_average'][1]:.1f} on {result['processors']} "
         "processors; a bar spans all repeats); sentences and ratios take the quickest repeat, for other work on the "
         "machine only adds. A lucky error, where the curve of a method crosses the truth, is no merit: the frontier "
-        " counts the largest error of a run and of all finer ones of its method (sure error), and "
+        "counts the largest error of a run and of all finer ones of its method (sure error), and "
         "leaves out what does not converge to the same answer. Every run is in `pareto.csv`; `beadband pareto` repeats "
         "them all.\n",
     ]
