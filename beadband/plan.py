@@ -35,7 +35,7 @@ LONGEST_LAYER = 0.08
 WIDEST_FRONT = 0.03
 """Width of a viscous front over the leg from which on news no longer comes with the front."""
 _SPEED_END = 0.87
-"""Share of the front's arrival at which a leg that is asked for its speed alone may stop."""
+"""Share of the front's arrival at which the speed is known, so that a leg may stop."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     compression = _compression(scene, string, loss_beads, warnings)
     largest = strand.largest_step_s(loss_time, scene.strain, compression)
     arrival = front_arrival_s(scene, string)
-    end = arrival if model == "ring" or scene.purpose == "curvature" else _SPEED_END * arrival
+    end = arrival if model == "ring" else _leg_end_s(scene, string, arrival)
     if scene.timestep_s is not None and scene.timestep_s > largest:
         raise UsageError(
             explain(
@@ -293,6 +293,13 @@ def _model_reason(model: str, scene: Scene, string: StringLimit, end: float, bea
     )
 
 
+def _leg_end_s(scene: Scene, string: StringLimit, arrival: float) -> float:
+    """When a leg has told all that is asked: the speed, and the curvature in its window."""
+    window = similarity_window(scene, string)
+    asked = _SPEED_END * arrival
+    return max(asked, window.end_s) if scene.purpose == "curvature" and window.reason is None else asked
+
+
 def _leg_sampling(scene: Scene, string: StringLimit, end: float, target: float) -> tuple[int, int, int]:
     """Frames (one), steps between means of the rear, and steps in all, of a leg."""
     rear_steps = max(1, int(_interval(scene, string, end) / target))
@@ -344,7 +351,7 @@ def _compression(scene: Scene, string: StringLimit, loss_beads: float, warnings:
     Behind a front that its loss keeps smooth bonds hardly overshoot; without loss they ring, behind a shock with an
     amplitude of order one that no refinement removes.
     """
-    if loss_beads >= 0.5 * LOSS_BEADS:
+    if loss_beads >= 0.45 * LOSS_BEADS:
         return max(0.6, 1.0 - 0.2 * scene.strain)
     head_speed = math.sqrt(float(scene.material.tangent(1.0 + scene.strain)) / scene.band.density_kg_m3)
     if string.front_speed_m_s < 1.01 * head_speed:
