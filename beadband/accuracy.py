@@ -63,29 +63,38 @@ def leg_speed_error(beads_in_rear: float, coarseness: float = 1.0) -> float:
 
 
 def speed_error(scene: Scene, string: StringLimit, spacing_m: float, model: str) -> float:
-    """Relative error of the rebound speed that 95 % of the scenes stay below, for beads of this spacing.
+    """Relative error of the rebound speed that 95 % of the scenes stay below, for beads of this spacing."""
+    return _speed_error(*_lengths_m(scene, string), spacing_m, model)
 
-    The whole ring turns its tip at one bead where the leg turns it by halves: it is a little worse everywhere, and
-    much where neither the bending layer nor the way of the kink spans some beads.
+
+def _lengths_m(scene: Scene, string: StringLimit) -> tuple[float, float]:
+    """What the beads must resolve at the rear, and where the held ring is sharpest."""
+    return rear_length_m(scene, string), kink_way_m(scene) + _LAYER_WEIGHT * bending_layer_m(scene)
+
+
+def _speed_error(rear_m: float, sharp_m: float, spacing_m: float, model: str) -> float:
+    """The whole ring turns its tip at one bead where the leg turns it by halves.
+
+    It is a little worse everywhere, and much where neither the bending layer nor the way of the kink spans some beads.
     """
-    beads_in_rear = rear_length_m(scene, string) / spacing_m
     if model == "leg":
-        return leg_speed_error(beads_in_rear)
-    sharp = (kink_way_m(scene) + _LAYER_WEIGHT * bending_layer_m(scene)) / spacing_m
-    return min(1.0, math.hypot(leg_speed_error(beads_in_rear, _RING_COARSENESS), 0.015 * math.pow(7.0 / sharp, 3.0)))
+        return leg_speed_error(rear_m / spacing_m)
+    sharp = 0.015 * math.pow(7.0 * spacing_m / sharp_m, 3.0)
+    return min(1.0, math.hypot(leg_speed_error(rear_m / spacing_m, _RING_COARSENESS), sharp))
 
 
 def beads_for(scene: Scene, string: StringLimit, model: str) -> float:
     """Beads of the whole ring for which :func:`speed_error` is the scene's tolerance (not rounded)."""
-    length = scene.band.circumference_m
-    least = LEAST_RESOLUTION * length / rear_length_m(scene, string)
+    length, tolerance = scene.band.circumference_m, scene.tolerance
+    rear, sharp = _lengths_m(scene, string)
+    least = LEAST_RESOLUTION * length / rear
 
     def surplus(beads: float) -> float:
-        return speed_error(scene, string, length / beads, model) - scene.tolerance
+        return _speed_error(rear, sharp, length / beads, model) - tolerance
 
     if surplus(least) <= 0.0:
         return least
-    return root(surplus, least, 1000.0 * least / scene.tolerance)
+    return root(surplus, least, 1000.0 * least / tolerance)
 
 
 def curvature_error(scene: Scene, spacing_m: float) -> float | None:

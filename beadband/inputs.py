@@ -16,7 +16,7 @@ from beadband.ring import Ring
 from beadband.strand import Strand
 
 TABLE_POINTS = 2001
-LEG_TABLE_POINTS = 201
+LEG_TABLE_POINTS = 101
 """A leg is released for a number or two, and reading the table would take longer than the physics."""
 DEEPEST_STRETCH = 0.3
 """Where the bond table begins."""
