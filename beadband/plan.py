@@ -33,7 +33,7 @@ _SHARE_AHEAD = 0.05
 LONGEST_LAYER = 0.08
 """Bending layer over the leg beyond which the finger is felt at the tip, so that a leg alone won't do."""
 WIDEST_FRONT = 0.03
-"""Width of a viscous front over the leg from which on news no longer comes with the front."""
+"""Width of a viscous front over the leg from which on news no longer comes with the front, if the beads resolve it."""
 _SPEED_END = 0.87
 """Share of the front's arrival at which the speed is known, so that a leg may stop."""
 
@@ -103,12 +103,13 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     reasons: list[str] = []
     warnings: list[str] = []
     layer, length = bending_layer_m(scene), scene.wedge.reference_leg_m
-    if model == "leg" and (layer > LONGEST_LAYER * length or _viscous_front_m(scene, string) > WIDEST_FRONT * length):
-        model = "ring"
     beads = scene.beads or _choose_beads(scene, string, model, reasons, warnings)
     if beads < FEWEST_BEADS:
         raise UsageError(explain("too few beads", beads, f"{FEWEST_BEADS} or more", "raise --beads"))
     strand = scene.strand(beads)
+    smeared = _viscous_front_m(scene, string) > max(WIDEST_FRONT * length, 2.0 * strand.spacing_m)
+    if model == "leg" and (smeared or layer > LONGEST_LAYER * length):
+        model = "ring"
     loss_time, loss_beads = _choose_loss(scene, string, beads, reasons)
     compression = _compression(scene, string, loss_beads, warnings)
     largest = strand.largest_step_s(loss_time, scene.strain, compression)
