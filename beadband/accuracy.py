@@ -27,6 +27,7 @@ COARSEST_SPACING = 1.0
 """Beyond this share of the bending layer the tip curvature is not measured at all."""
 _WIDEST_SPACING = 0.9
 _FEW_ERROR = 0.12
+_SHARE_OF_LEG = 0.7
 _RING_COARSENESS = 1.6
 _LAYER_WEIGHT = 10.0
 
@@ -51,13 +52,15 @@ def rear_length_m(scene: Scene, string: StringLimit) -> float:
     )
 
 
-def leg_speed_error(beads_in_rear: float, coarseness: float = 1.0) -> float:
+def leg_speed_error(beads_in_rear: float, beads_in_leg: float, coarseness: float = 1.0) -> float:
     """Relative error of the rebound speed on one leg that 95 % of the scenes stay below.
 
-    The first part is the numerical loss, of the first order in the spacing; the second is what single beads make of the
-    kink (times ``coarseness``), until they are too few to be called a curve.
+    The first part is the numerical loss, of the first order in the spacing, for the front has the leg to run along even
+    where the rear is as long; the second is what single beads make of the kink (times ``coarseness``), until they are
+    too few to be called a curve.
     """
-    error = 0.12 / beads_in_rear + coarseness * 0.010 * math.pow(22.0 / beads_in_rear, 4.2)
+    smooth = min(beads_in_rear, _SHARE_OF_LEG * beads_in_leg)
+    error = 0.12 / smooth + coarseness * 0.010 * math.pow(22.0 / beads_in_rear, 4.2)
     # With fewer than a dozen beads errors no longer follow the curve; they grow less steeply.
     return min(error, _FEW_ERROR * math.pow(max(1.0, LEAST_RESOLUTION / beads_in_rear), 2.0))
 
@@ -67,30 +70,31 @@ def speed_error(scene: Scene, string: StringLimit, spacing_m: float, model: str)
     return _speed_error(*_lengths_m(scene, string), spacing_m, model)
 
 
-def _lengths_m(scene: Scene, string: StringLimit) -> tuple[float, float]:
-    """What the beads must resolve at the rear, and where the held ring is sharpest."""
-    return rear_length_m(scene, string), kink_way_m(scene) + _LAYER_WEIGHT * bending_layer_m(scene)
+def _lengths_m(scene: Scene, string: StringLimit) -> tuple[float, float, float]:
+    """What the beads must resolve at the rear, the leg, and where the held ring is sharpest."""
+    sharp = kink_way_m(scene) + _LAYER_WEIGHT * bending_layer_m(scene)
+    return rear_length_m(scene, string), scene.wedge.reference_leg_m, sharp
 
 
-def _speed_error(rear_m: float, sharp_m: float, spacing_m: float, model: str) -> float:
+def _speed_error(rear_m: float, leg_m: float, sharp_m: float, spacing_m: float, model: str) -> float:
     """The whole ring turns its tip at one bead where the leg turns it by halves.
 
     It is a little worse everywhere, and much where neither the bending layer nor the way of the kink spans some beads.
     """
     if model == "leg":
-        return leg_speed_error(rear_m / spacing_m)
+        return leg_speed_error(rear_m / spacing_m, leg_m / spacing_m)
     sharp = 0.015 * math.pow(7.0 * spacing_m / sharp_m, 3.0)
-    return min(1.0, math.hypot(leg_speed_error(rear_m / spacing_m, _RING_COARSENESS), sharp))
+    return min(1.0, math.hypot(leg_speed_error(rear_m / spacing_m, leg_m / spacing_m, _RING_COARSENESS), sharp))
 
 
 def beads_for(scene: Scene, string: StringLimit, model: str) -> float:
     """Beads of the whole ring for which :func:`speed_error` is the scene's tolerance (not rounded)."""
     length, tolerance = scene.band.circumference_m, scene.tolerance
-    rear, sharp = _lengths_m(scene, string)
+    rear, leg, sharp = _lengths_m(scene, string)
     least = LEAST_RESOLUTION * length / rear
 
     def surplus(beads: float) -> float:
-        return _speed_error(rear, sharp, length / beads, model) - tolerance
+        return _speed_error(rear, leg, sharp, length / beads, model) - tolerance
 
     if surplus(least) <= 0.0:
         return least

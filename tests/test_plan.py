@@ -52,7 +52,9 @@ def test_error_curve_falls_and_is_inverted(model: str) -> None:
         spacing = scene.band.circumference_m / accuracy.beads_for(scene, scene.string, model)
         assert accuracy.speed_error(scene, scene.string, spacing, model) == pytest.approx(tolerance, rel=1e-9)
     # First order in the spacing where the numerical loss is all that is left.
-    assert accuracy.leg_speed_error(2000.0) / accuracy.leg_speed_error(1000.0) == pytest.approx(0.5, rel=1e-3)
+    assert accuracy.leg_speed_error(2000.0, 4000.0) / accuracy.leg_speed_error(1000.0, 2000.0) == pytest.approx(
+        0.5, rel=1e-3
+    )
 
 
 def test_tighter_tolerances_take_more_beads_and_say_why() -> None:
