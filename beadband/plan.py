@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from beadband import accuracy
 from beadband.errors import UsageError, explain
 from beadband.ring import FEWEST_BEADS
-from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s, similarity_window
+from beadband.sampling import leg_end_s, sample_leg, sample_ring
+from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s
 from beadband.scene import PLANNED, Scene
 from beadband.validity import validity_warnings
 from beadband.wedge import StringLimit
@@ -16,15 +17,10 @@ from beadband.wedge import StringLimit
 MOST_PLANNED_BEADS = 6000
 FEWEST_LEG_BONDS = 8
 
-FRAMES = 60
-MOST_STEPS = 2_000_000_000
 STEP_SHARE = 0.65
 """Share of the largest stable step that is used."""
 LOSS_BEADS = 0.2
 """Viscosity of the numerical loss over (spacing x density x front speed)."""
-_REAR_FRAMES = 240
-_FEWEST_REAR_FRAMES = 120
-_FEWEST_REAR_STEPS = 4  # the fastest bending mode has a period of pi largest steps: averages must span it
 
 # How far up a leg news can have gone and come back from, beyond what the front alone makes of it: bending waves run
 # ahead of the front; so many bending layers, and that share of the leg, take their echo below 1e-4 of V.
@@ -34,8 +30,6 @@ LONGEST_LAYER = 0.08
 """Bending layer over the leg beyond which the finger is felt at the tip, so that a leg alone won't do."""
 WIDEST_FRONT = 0.03
 """Width of a viscous front over the leg from which on news no longer comes with the front, if the beads resolve it."""
-_SPEED_END = 0.87
-"""Share of the front's arrival at which the speed is known, so that a leg may stop."""
 
 
 @dataclass(frozen=True)
@@ -103,18 +97,19 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     reasons: list[str] = []
     warnings: list[str] = []
     layer, length = bending_layer_m(scene), scene.wedge.reference_leg_m
+    if layer > LONGEST_LAYER * length:
+        model = "ring"
     beads = scene.beads or _choose_beads(scene, string, model, reasons, warnings)
     if beads < FEWEST_BEADS:
         raise UsageError(explain("too few beads", beads, f"{FEWEST_BEADS} or more", "raise --beads"))
     strand = scene.strand(beads)
-    smeared = _viscous_front_m(scene, string) > max(WIDEST_FRONT * length, 2.0 * strand.spacing_m)
-    if model == "leg" and (smeared or layer > LONGEST_LAYER * length):
+    if _viscous_front_m(scene, string) > max(WIDEST_FRONT * length, 2.0 * strand.spacing_m):
         model = "ring"
     loss_time, loss_beads = _choose_loss(scene, string, beads, reasons)
     compression = _compression(scene, string, loss_beads, warnings)
     largest = strand.largest_step_s(loss_time, scene.strain, compression)
     arrival = front_arrival_s(scene, string)
-    end = arrival if model == "ring" else _leg_end_s(scene, string, arrival)
+    end = arrival if model == "ring" else leg_end_s(scene, string, arrival)
     if scene.timestep_s is not None and scene.timestep_s > largest:
         raise UsageError(
             explain(
@@ -126,9 +121,9 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
         )
     target = scene.timestep_s or STEP_SHARE * largest
     if model == "ring":
-        frames, rear_steps, steps = _sampling(scene, string, end, target)
+        frames, rear_steps, steps = sample_ring(scene, string, end, target)
     else:
-        frames, rear_steps, steps = _leg_sampling(scene, string, end, target)
+        frames, rear_steps, steps = sample_leg(scene, string, end, target)
     # The last step ends at the front's arrival unless the user fixed the step.
     timestep = scene.timestep_s or end / steps
     if steps * timestep < SPEED_WINDOW[1] * arrival:
@@ -292,58 +287,6 @@ def _model_reason(model: str, scene: Scene, string: StringLimit, end: float, bea
         f"the whole ring, because its files are looked at; the beads on the finger stay where they are and no contact "
         f"is computed, for the news reaches them with the front (the rear alone would need one leg up to {heard:.2f})"
     )
-
-
-def _leg_end_s(scene: Scene, string: StringLimit, arrival: float) -> float:
-    """When a leg has told all that is asked: the speed, and the curvature in its window."""
-    window = similarity_window(scene, string)
-    asked = _SPEED_END * arrival
-    return max(asked, window.end_s) if scene.purpose == "curvature" and window.reason is None else asked
-
-
-def _leg_sampling(scene: Scene, string: StringLimit, end: float, target: float) -> tuple[int, int, int]:
-    """Frames (one), steps between means of the rear, and steps in all, of a leg."""
-    rear_steps = max(1, int(_interval(scene, string, end) / target))
-    return 1, rear_steps, rear_steps * math.ceil(end / (rear_steps * target) * (1.0 - 1e-12))
-
-
-def _interval(scene: Scene, string: StringLimit, end: float) -> float:
-    """Longest time between frames of the rear."""
-    window = similarity_window(scene, string)
-    interval = end / _REAR_FRAMES
-    return interval if window.reason is not None else min(interval, (window.end_s - window.start_s) / 12.0)
-
-
-def _sampling(scene: Scene, string: StringLimit, arrival: float, target: float) -> tuple[int, int, int]:
-    """Frames of the ring, steps between frames of the rear, and steps in all; UsageError when they don't divide."""
-    if scene.steps is not None:
-        frames, rear_steps = scene.frames or 1, scene.rear_steps or 1
-        if scene.steps % frames or (scene.steps // frames) % rear_steps:
-            raise UsageError(
-                explain(
-                    "steps and frames do not divide",
-                    f"steps {scene.steps}, frames {frames}, rear_steps {rear_steps}",
-                    "steps a multiple of frames x rear_steps",
-                    "leave steps and rear_steps to the plan",
-                )
-            )
-        return frames, rear_steps, scene.steps
-    rear_steps = scene.rear_steps or max(_FEWEST_REAR_STEPS, int(_interval(scene, string, arrival) / target))
-    rear_frames = math.ceil(arrival / (rear_steps * target) * (1.0 - 1e-12))
-    if scene.timestep_s is None:
-        rear_frames = max(rear_frames, _FEWEST_REAR_FRAMES)
-    frames = scene.frames or min(FRAMES, rear_frames)
-    every = math.ceil(rear_frames / frames)
-    if scene.timestep_s is not None and scene.frames is None:
-        # A given step can't be stretched to end with the front: as few steps beyond as the frames allow.
-        every = max(1, rear_frames // frames)
-        frames = math.ceil(rear_frames / every)
-    steps = every * rear_steps * frames
-    if steps > MOST_STEPS:
-        raise UsageError(
-            explain("the run would be too long", f"{steps} steps", f"at most {MOST_STEPS}", "raise --timestep")
-        )
-    return frames, rear_steps, steps
 
 
 def _compression(scene: Scene, string: StringLimit, loss_beads: float, warnings: list[str]) -> float:

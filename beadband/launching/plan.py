@@ -9,8 +9,9 @@ from functools import cached_property
 from beadband.errors import UsageError, explain
 from beadband.launching.contact import Support, finger_loads_n, settle_on
 from beadband.launching.string import StringLaunch, string_launch
-from beadband.plan import MOST_STEPS, STEP_SHARE, Plan, plan_of
+from beadband.plan import STEP_SHARE, Plan, plan_of
 from beadband.ring import Ring, stretched_ring
+from beadband.sampling import MOST_STEPS
 from beadband.scales import similarity_window
 from beadband.scene import PLANNED, Scene
 from beadband.strand import Strand
