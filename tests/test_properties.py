@@ -190,7 +190,7 @@ words = st.one_of(
 
 @quick
 @given(
-    st.sampled_from(["plan", "bands", "analyze", "plot", "pareto", "what"]),
+    st.sampled_from(["plan", "bands", "analyze", "plot", "report", "movie", "what"]),
     st.lists(st.tuples(flags, words), max_size=4),
 )
 def test_any_command_line_ends_in_an_answer_or_one_line(command: str, pairs: list[tuple[str, str]]) -> None:
