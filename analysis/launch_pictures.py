@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from beadband.analysis.pictures import Panels, draw_panels
 from beadband.analysis.trajectory import Trajectory
 from beadband.launching.string import finger_force_n
 
@@ -21,39 +21,18 @@ _SNAPSHOTS = 7
 
 def draw(done: Launch, ring: Trajectory, folder: str | os.PathLike[str]) -> list[Path]:
     """Write shapes.png, finger.png, clearance.png, energy.png and overview.png into the folder; return their paths."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    panels: dict[str, Callable[[Any], None]] = {
+    scene = done.plan.scene
+    title = (
+        f"Band {scene.band.name}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g}°, {scene.law}, "
+        f"{done.plan.beads} beads: the finger {scene.finger}"
+    )
+    panels: Panels = {
         "shapes": lambda axes: shapes(axes, done, ring),
         "finger": lambda axes: finger(axes, done),
         "clearance": lambda axes: clearance(axes, done),
         "energy": lambda axes: energy(axes, done),
     }
-    written = []
-    for name, panel in panels.items():
-        figure, axes = pyplot.subplots(figsize=(6.4, 4.2), layout="constrained")
-        panel(axes)
-        written.append(_save(figure, Path(folder) / f"{name}.png"))
-        pyplot.close(figure)
-    figure, grid = pyplot.subplots(2, 2, figsize=(12.0, 8.0), layout="constrained")
-    for panel, axes in zip(panels.values(), grid.flat, strict=True):
-        panel(axes)
-    scene = done.plan.scene
-    figure.suptitle(
-        f"Band {scene.band.name}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g}°, {scene.law}, "
-        f"{done.plan.beads} beads: the finger {scene.finger}"
-    )
-    written.append(_save(figure, Path(folder) / "overview.png"))
-    pyplot.close(figure)
-    return written
-
-
-def _save(figure: Any, path: Path) -> Path:
-    figure.savefig(path, dpi=130)
-    return path
+    return draw_panels(panels, title, folder)
 
 
 def _pause(axes: Any, done: Launch) -> None:

@@ -19,20 +19,33 @@ if TYPE_CHECKING:
 _BLUE, _ORANGE, _GREEN, _GREY = "#1f5fa8", "#c8601a", "#2c7d4f", "#6b6b6b"
 _SNAPSHOTS = 7
 
+Panels = dict[str, Callable[[Any], None]]
+"""What draws each picture into its axes, by name."""
+
 
 def draw(run: Run, ring: Trajectory, folder: str | os.PathLike[str]) -> list[Path]:
     """Write shapes.png, speed.png, curvature.png, energy.png and overview.png into the folder; return their paths."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    panels: dict[str, Callable[[Any], None]] = {
+    scene = run.plan.scene
+    title = (
+        f"Band {scene.band.name}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g}°, {scene.law}, "
+        f"{run.plan.beads} beads"
+    )
+    panels: Panels = {
         "shapes": lambda axes: shapes(axes, run, ring),
         "speed": lambda axes: speed(axes, run),
         "curvature": lambda axes: curvature(axes, run),
         "energy": lambda axes: energy(axes, run),
     }
+    return draw_panels(panels, title, folder)
+
+
+def draw_panels(panels: Panels, title: str, folder: str | os.PathLike[str]) -> list[Path]:
+    """Write four panels as pictures of their own, and together as overview.png under the title; return their paths."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
     written = []
     for name, panel in panels.items():
         figure, axes = pyplot.subplots(figsize=(6.4, 4.2), layout="constrained")
@@ -42,11 +55,7 @@ def draw(run: Run, ring: Trajectory, folder: str | os.PathLike[str]) -> list[Pat
     figure, grid = pyplot.subplots(2, 2, figsize=(12.0, 8.0), layout="constrained")
     for panel, axes in zip(panels.values(), grid.flat, strict=True):
         panel(axes)
-    scene = run.plan.scene
-    figure.suptitle(
-        f"Band {scene.band.name}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g}°, {scene.law}, "
-        f"{run.plan.beads} beads"
-    )
+    figure.suptitle(title)
     written.append(_save(figure, Path(folder) / "overview.png"))
     pyplot.close(figure)
     return written
