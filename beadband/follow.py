@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 
 from beadband import folder as files
 from beadband.analysis.measurement import Measurement, measure
@@ -52,28 +51,11 @@ def follow_rear(plan: Plan, session: Session | None = None) -> Measurement:
 
 def estimate_of(plan: Plan, session: Session | None = None) -> Estimate | None:
     """The release again with half the beads, its rear alone followed; None if that can't be."""
-    # A loss time of the user's is physics and stays; a numerical one goes with the mesh.
-    numerical = "loss_time_s" in plan.scene.planned
-    other = replace(
-        plan.scene,
-        beads=plan.beads // 2,
-        timestep_s=None,
-        loss_time_s=None if numerical else plan.loss_time_s,
-        steps=None,
-        rear_steps=None,
-        frames=None,
-        planned=(),
-    )
+    beads = plan.beads // 2
     try:
-        found = follow_rear(plan_of(other, "leg"), session)
+        return Estimate.of(beads, follow_rear(plan_of(plan.scene.with_beads(beads), "leg"), session))
     except BeadbandError:
         return None
-    return Estimate(
-        beads=plan.beads // 2,
-        speed_m_s=found.speed_m_s.value,
-        exponent=found.decay.exponent.value if found.decay else None,
-        eq7_ratio=found.decay.eq7_ratio.value if found.decay else None,
-    )
 
 
 @contextmanager

@@ -27,7 +27,7 @@ MOST_ENERGY = 1.05
 GUARD_STEPS = 200
 """Steps between looks at the energy."""
 _NEVER = 2_000_000_000
-_LOSS_SAMPLES = 8
+LOSS_SAMPLES = 8
 """Times in a frame at which the power of the dashpots is taken."""
 
 Variables = dict[str, int | float]
@@ -132,9 +132,7 @@ def ring_variables(plan: Plan, ring: Ring, pictures: bool) -> Variables:
     """What release.in needs to know."""
     strand = plan.scene.strand(plan.beads)
     cutoff = dashpot_cutoff_m(ring)
-    loss_every = max(1, plan.frame_steps // _LOSS_SAMPLES)
-    while plan.frame_steps % loss_every:
-        loss_every -= 1
+    loss_every = sample_every(plan.frame_steps, LOSS_SAMPLES)
     return {
         "beads": plan.beads,
         "table_points": TABLE_POINTS,
@@ -155,6 +153,14 @@ def ring_variables(plan: Plan, ring: Ring, pictures: bool) -> Variables:
         "loss_every": loss_every if pictures else 1,
         "loss_average": plan.frame_steps // loss_every if pictures else 1,
     }
+
+
+def sample_every(steps: int, samples: int) -> int:
+    """Largest divisor of ``steps`` that takes at least so many samples."""
+    every = max(1, steps // max(1, samples))
+    while steps % every:
+        every -= 1
+    return every
 
 
 def dashpot_cutoff_m(ring: Ring) -> float:

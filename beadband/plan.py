@@ -9,7 +9,7 @@ from beadband import accuracy
 from beadband.errors import UsageError, explain
 from beadband.ring import FEWEST_BEADS
 from beadband.sampling import leg_end_s, sample_leg, sample_ring
-from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s
+from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s, viscous_front_m
 from beadband.scene import PLANNED, Scene
 from beadband.validity import validity_warnings
 from beadband.wedge import StringLimit
@@ -103,7 +103,7 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     if beads < FEWEST_BEADS:
         raise UsageError(explain("too few beads", beads, f"{FEWEST_BEADS} or more", "raise --beads"))
     strand = scene.strand(beads)
-    if _viscous_front_m(scene, string) > max(WIDEST_FRONT * length, 2.0 * strand.spacing_m):
+    if viscous_front_m(scene, string) > max(WIDEST_FRONT * length, 2.0 * strand.spacing_m):
         model = "ring"
     loss_time, loss_beads = _choose_loss(scene, string, beads, reasons)
     compression = _compression(scene, string, loss_beads, warnings)
@@ -240,14 +240,6 @@ def _choose_loss(scene: Scene, string: StringLimit, beads: int, reasons: list[st
         "give it a smooth profile of a few beads, and vanishing with the mesh"
     )
     return LOSS_BEADS * front_loss_s, LOSS_BEADS
-
-
-def _viscous_front_m(scene: Scene, string: StringLimit) -> float:
-    """Width to which a loss of the user's spreads the front, viscosity over (density x front speed)."""
-    if scene.loss_time_s is None:
-        return 0.0
-    band = scene.band
-    return band.modulus_pa * scene.loss_time_s / (band.density_kg_m3 * string.front_speed_m_s)
 
 
 def _heard_share(scene: Scene, string: StringLimit, end_s: float) -> float:

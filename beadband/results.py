@@ -40,6 +40,17 @@ class Estimate:
     exponent: float | None
     eq7_ratio: float | None
 
+    @classmethod
+    def of(cls, beads: int, found: Measurement) -> Estimate:
+        """What a run with so many beads gave."""
+        decay = found.decay
+        return cls(
+            beads=beads,
+            speed_m_s=found.speed_m_s.value,
+            exponent=decay.exponent.value if decay else None,
+            eq7_ratio=decay.eq7_ratio.value if decay else None,
+        )
+
 
 @dataclass(frozen=True)
 class Run:

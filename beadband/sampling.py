@@ -27,32 +27,37 @@ def leg_end_s(scene: Scene, string: StringLimit, arrival: float) -> float:
 
 def sample_leg(scene: Scene, string: StringLimit, end: float, target: float) -> tuple[int, int, int]:
     """Frames (one), steps between means of the rear, and steps in all, of a leg."""
-    rear_steps = max(1, int(_interval(scene, string, end) / target))
+    rear_steps = max(1, int(interval_s(scene, string, end) / target))
     return 1, rear_steps, rear_steps * math.ceil(end / (rear_steps * target) * (1.0 - 1e-12))
 
 
-def _interval(scene: Scene, string: StringLimit, end: float) -> float:
+def interval_s(scene: Scene, string: StringLimit, end: float) -> float:
     """Longest time between frames of the rear."""
     window = similarity_window(scene, string)
     interval = end / _REAR_FRAMES
     return interval if window.reason is not None else min(interval, (window.end_s - window.start_s) / 12.0)
 
 
+def given(scene: Scene, steps: int) -> tuple[int, int, int]:
+    """Frames, steps between frames of the rear, and all steps, as the scene gives them; UsageError if they don't divide."""
+    frames, rear_steps = scene.frames or 1, scene.rear_steps or 1
+    if steps % frames or (steps // frames) % rear_steps:
+        raise UsageError(
+            explain(
+                "steps and frames do not divide",
+                f"steps {steps}, frames {frames}, rear_steps {rear_steps}",
+                "steps a multiple of frames x rear_steps",
+                "leave steps and rear_steps to the plan",
+            )
+        )
+    return frames, rear_steps, steps
+
+
 def sample_ring(scene: Scene, string: StringLimit, arrival: float, target: float) -> tuple[int, int, int]:
     """Frames of the ring, steps between frames of the rear, and steps in all; UsageError when they don't divide."""
     if scene.steps is not None:
-        frames, rear_steps = scene.frames or 1, scene.rear_steps or 1
-        if scene.steps % frames or (scene.steps // frames) % rear_steps:
-            raise UsageError(
-                explain(
-                    "steps and frames do not divide",
-                    f"steps {scene.steps}, frames {frames}, rear_steps {rear_steps}",
-                    "steps a multiple of frames x rear_steps",
-                    "leave steps and rear_steps to the plan",
-                )
-            )
-        return frames, rear_steps, scene.steps
-    rear_steps = scene.rear_steps or max(_FEWEST_REAR_STEPS, int(_interval(scene, string, arrival) / target))
+        return given(scene, scene.steps)
+    rear_steps = scene.rear_steps or max(_FEWEST_REAR_STEPS, int(interval_s(scene, string, arrival) / target))
     rear_frames = math.ceil(arrival / (rear_steps * target) * (1.0 - 1e-12))
     if scene.timestep_s is None:
         rear_frames = max(rear_frames, _FEWEST_REAR_FRAMES)

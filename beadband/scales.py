@@ -61,3 +61,11 @@ def bending_layer_m(scene: Scene) -> float:
 def front_arrival_s(scene: Scene, string: StringLimit) -> float:
     """When the front of the string limit has run through a leg, t_f = l0/(front speed)."""
     return scene.wedge.reference_leg_m / string.front_speed_m_s
+
+
+def viscous_front_m(scene: Scene, string: StringLimit) -> float:
+    """Width to which the scene's loss time spreads the front, viscosity over (density x front speed); 0 without one."""
+    if scene.loss_time_s is None:
+        return 0.0
+    band = scene.band
+    return band.modulus_pa * scene.loss_time_s / (band.density_kg_m3 * string.front_speed_m_s)

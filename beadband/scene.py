@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 from beadband.band import PROPERTIES, Band, band_of
 from beadband.errors import UsageError, explain
@@ -100,6 +100,22 @@ class Scene:
             density_kg_m3=band.density_kg_m3,
             modulus_pa=band.modulus_pa,
             bending_stiffness_n_m2=self.bending_stiffness_n_m2,
+        )
+
+    def with_beads(self, beads: int) -> Scene:
+        """The same scene with another number of beads, and all that a plan chose for it left open again.
+
+        A loss time of the user's is physics and stays; a numerical one goes with the mesh.
+        """
+        return replace(
+            self,
+            beads=beads,
+            timestep_s=None,
+            loss_time_s=None if "loss_time_s" in self.planned else self.loss_time_s,
+            frames=None,
+            steps=None,
+            rear_steps=None,
+            planned=(),
         )
 
     def as_dict(self) -> dict[str, object]:

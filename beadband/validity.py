@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from beadband.errors import UsageError, explain
-from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s
+from beadband.scales import SPEED_WINDOW, bending_layer_m, front_arrival_s, viscous_front_m
 from beadband.scene import Scene
 
 SHARPEST = 0.5
@@ -82,9 +82,7 @@ def validity_warnings(scene: Scene) -> tuple[str, ...]:
             "speed is known: what is released here passes through the finger"
         )
     if scene.loss_time_s and "loss_time_s" not in scene.planned:
-        # A front of the speed U with the viscosity E tau is about E tau/(density U) thick.
-        width = scene.band.modulus_pa * scene.loss_time_s / (scene.band.density_kg_m3 * scene.string.front_speed_m_s)
-        share = width / scene.wedge.reference_leg_m
+        share = viscous_front_m(scene, scene.string) / scene.wedge.reference_leg_m
         if share > SMEARED:
             found.append(
                 f"this loss spreads the unloading front over {share:.2g} of a leg: what is measured is a viscous band, "

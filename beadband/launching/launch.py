@@ -29,7 +29,6 @@ from beadband.scenefile import read_scene, scene_text
 
 _HALVE_FROM = 160
 _NEVER = 2_000_000_000
-_LOSS_SAMPLES = 8
 _IDLE_FORCE = 1e-6
 """Share of the held load below which the finger carries nothing."""
 
@@ -111,20 +110,8 @@ def follow_launch(scene: Scene) -> tuple[LaunchPlan, LaunchMeasurement, Watch]:
 def estimate_of(plan: LaunchPlan) -> tuple[Estimate | None, LaunchEstimate | None]:
     """The launch again with half the beads (or twice as many), without pictures; None where that can't be."""
     beads = plan.beads // 2 if plan.beads >= _HALVE_FROM else 2 * plan.beads
-    # A loss time of the user's is physics and stays; a numerical one goes with the mesh.
-    numerical = "loss_time_s" in plan.scene.planned
-    other = replace(
-        plan.scene,
-        beads=beads,
-        timestep_s=None,
-        loss_time_s=None if numerical else plan.twin.loss_time_s,
-        steps=None,
-        rear_steps=None,
-        frames=None,
-        planned=(),
-    )
     try:
-        coarse = launch_plan_of(other)
+        coarse = launch_plan_of(plan.scene.with_beads(beads))
         with files.scratch() as folder:
             write_inputs(folder, coarse, *coarse.held(), pictures=False)
             _integrate(folder)
@@ -132,16 +119,7 @@ def estimate_of(plan: LaunchPlan) -> tuple[Estimate | None, LaunchEstimate | Non
             rear = measure(ended(coarse, watch), read(folder / files.REAR))
     except BeadbandError:
         return None, None
-    decay = rear.decay
-    return (
-        Estimate(
-            beads=beads,
-            speed_m_s=rear.speed_m_s.value,
-            exponent=decay.exponent.value if decay else None,
-            eq7_ratio=decay.eq7_ratio.value if decay else None,
-        ),
-        LaunchEstimate.of(beads, _launch_of(coarse, watch)),
-    )
+    return Estimate.of(beads, rear), LaunchEstimate.of(beads, _launch_of(coarse, watch))
 
 
 def ended(plan: LaunchPlan, watch: Watch) -> Plan:
@@ -209,7 +187,10 @@ def script(plan: LaunchPlan, ring: Ring, support: Support, pictures: bool) -> st
     scene, strand = plan.scene, plan.strand
     cutoff = inputs.dashpot_cutoff_m(ring)
     core = min(CORE_DEPTH * scene.band.thickness_m, 0.5 * support.radius_m)
-    loss_every, lost_every = _divisor(plan.frame_steps, _LOSS_SAMPLES), _divisor(plan.rear_steps, plan.rear_steps // 4)
+    loss_every, lost_every = (
+        inputs.sample_every(plan.frame_steps, inputs.LOSS_SAMPLES),
+        inputs.sample_every(plan.rear_steps, plan.rear_steps // 4),
+    )
     held_n = 2.0 * ring.tension_n * float(np.cos(scene.half_angle_rad))
     variables: dict[str, int | float] = {
         "beads": plan.beads,
@@ -241,14 +222,6 @@ def script(plan: LaunchPlan, ring: Ring, support: Support, pictures: bool) -> st
         "lost_average": plan.rear_steps // lost_every,
     }
     return inputs.with_variables(files.LAUNCH_SCRIPT, variables)
-
-
-def _divisor(steps: int, samples: int) -> int:
-    """Largest divisor of ``steps`` that takes at least so many samples."""
-    every = max(1, steps // max(1, samples))
-    while steps % every:
-        every -= 1
-    return every
 
 
 def frames(folder: str | os.PathLike[str]) -> Trajectory:

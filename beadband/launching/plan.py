@@ -11,8 +11,7 @@ from beadband.launching.contact import Support, finger_loads_n, settle_on
 from beadband.launching.string import StringLaunch, string_launch
 from beadband.plan import STEP_SHARE, Plan, plan_of
 from beadband.ring import Ring, stretched_ring
-from beadband.sampling import MOST_STEPS
-from beadband.scales import similarity_window
+from beadband.sampling import MOST_STEPS, given, interval_s
 from beadband.scene import PLANNED, Scene
 from beadband.strand import Strand
 
@@ -30,7 +29,6 @@ _LEAST_COMPRESSION = 0.35  # measured: the deepest of the linear law at a strain
 CAP = 3.0
 """Longest run, in units of what the string takes to be free and for its rear to arrive."""
 FRAMES = 100
-_REAR_FRAMES = 240
 _FEWEST_REAR_STEPS = 4
 _MOST_REAR_STEPS = 16  # the contact bounces in no less: its depth must not be missed
 _IDLE_SHARE = 0.03
@@ -235,21 +233,9 @@ def _contact(
 def _sampling(scene: Scene, twin: Plan, step_s: float, duration_s: float, cap_s: float) -> tuple[int, int, int]:
     """Steps in all, from frame to frame, and from look to look at the rear; UsageError when they don't divide."""
     if scene.steps is not None:
-        frames, rear_steps = scene.frames or 1, scene.rear_steps or 1
-        if scene.steps % frames or (scene.steps // frames) % rear_steps:
-            raise UsageError(
-                explain(
-                    "steps and frames do not divide",
-                    f"steps {scene.steps}, frames {frames}, rear_steps {rear_steps}",
-                    "steps a multiple of frames x rear_steps",
-                    "leave steps and rear_steps to the plan",
-                )
-            )
-        return scene.steps, scene.steps // frames, rear_steps
-    interval = twin.front_arrival_s / _REAR_FRAMES
-    window = similarity_window(scene, twin.string)
-    if window.reason is None:
-        interval = min(interval, (window.end_s - window.start_s) / 12.0)
+        frames, rear_steps, steps = given(scene, scene.steps)
+        return steps, steps // frames, rear_steps
+    interval = interval_s(scene, twin.string, twin.front_arrival_s)
     rear_steps = scene.rear_steps or min(max(_FEWEST_REAR_STEPS, int(interval / step_s)), _MOST_REAR_STEPS)
     frames = scene.frames or FRAMES
     frame_steps = rear_steps * max(1, round(duration_s / (frames * rear_steps * step_s)))

@@ -17,7 +17,7 @@ from typing import IO, Any
 
 from beadband.errors import RunError, UsageError, explain
 from beadband.folder import write_text
-from beadband.sweeping.grid import SWEPT, Grid
+from beadband.sweeping.grid import Grid
 from beadband.sweeping.row import RESULTS, key_of
 
 TABLE = "sweep.csv"
@@ -84,7 +84,7 @@ class Store:
         if len(whole) != len(text):
             self._handle.truncate(len(whole.encode("utf-8")))
         if not whole:
-            self._write([dict(zip(self.columns, self.columns, strict=True))])
+            self._write([self._head()])
 
     def _take(self, text: str) -> None:
         """Rows that are there already; UsageError when they belong to another grid."""
@@ -141,6 +141,9 @@ class Store:
             )
         )
 
+    def _head(self) -> Row:
+        return dict(zip(self.columns, self.columns, strict=True))
+
     def _text(self, rows: Iterable[Row]) -> str:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
@@ -153,8 +156,7 @@ class Store:
 
     def finish(self, summary: str) -> None:
         """Put the table in order and write the summary, which says that the sweep is finished."""
-        head = self._text([dict(zip(self.columns, self.columns, strict=True))])
-        write_text(self.folder / TABLE, head + self._text(self.ordered()), durable=True)
+        write_text(self.folder / TABLE, self._text([self._head(), *self.ordered()]), durable=True)
         write_text(self.folder / SUMMARY, summary, durable=True)
 
 
@@ -162,8 +164,3 @@ def number(row: Row, column: str) -> float:
     """A number of a row, fresh or read back; NaN where there is none."""
     value = row.get(column, "")
     return float("nan") if value in ("", None) else float(value)
-
-
-def swept(row: Row) -> dict[str, Any]:
-    """The scene's part of a row."""
-    return {key: row[key] for key in SWEPT if key in row}

@@ -167,27 +167,15 @@ def work(values: dict[str, Any]) -> dict[str, Any]:
 
 def converged(plan: Any) -> dict[str, tuple[float, float]]:
     """Speed and curvature figures of the same scene on finer rings, and how far each may be off."""
-    from dataclasses import replace
-
     from beadband.engine import Session
     from beadband.errors import UsageError
     from beadband.follow import follow_rear
     from beadband.plan import plan_of
 
-    numerical = "loss_time_s" in plan.scene.planned
     finer = []
     for factor in (4.0, 3.0, 2.0, 1.5):
         chosen = plan_of(
-            replace(
-                plan.scene,
-                beads=int(factor * plan.beads),
-                timestep_s=None,
-                loss_time_s=None if numerical else plan.loss_time_s,
-                steps=None,
-                rear_steps=None,
-                frames=None,
-                planned=(),
-            ),
+            plan.scene.with_beads(int(factor * plan.beads)),
             "leg",
         )
         if chosen.bead_steps <= _DEAREST:
