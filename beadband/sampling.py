@@ -39,7 +39,7 @@ def interval_s(scene: Scene, string: StringLimit, end: float) -> float:
 
 
 def given(scene: Scene, steps: int) -> tuple[int, int, int]:
-    """Frames, steps between frames of the rear, and all steps, as the scene gives them; UsageError if they don't divide."""
+    """Frames, steps between frames of the rear, and all steps, as given; UsageError when they do not divide."""
     frames, rear_steps = scene.frames or 1, scene.rear_steps or 1
     if steps % frames or (steps // frames) % rear_steps:
         raise UsageError(
