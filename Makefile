@@ -2,7 +2,9 @@
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: install test lint types wheel check clean
+COVERAGE := build/coverage
+
+.PHONY: install test coverage docs lint shape types imports wheel check clean
 
 install:
 	python3 -m venv $(VENV)
@@ -11,15 +13,31 @@ install:
 test:
 	$(BIN)/pytest
 
+# Lines of beadband and analysis that the tests run, in whatever process; fails below 95 %.
+coverage:
+	mkdir -p $(COVERAGE)
+	COVERAGE_FILE=$(abspath $(COVERAGE))/data $(BIN)/coverage run -m pytest
+	COVERAGE_FILE=$(abspath $(COVERAGE))/data $(BIN)/coverage combine --quiet
+	COVERAGE_FILE=$(abspath $(COVERAGE))/data $(BIN)/coverage report
+
+# The pages of reference: parameters.md, results.md, results.schema.json. A test says when they are out of date.
+docs:
+	$(BIN)/python -m beadband.reporting.documents docs
+
 lint:
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-# The type checker reads packages where they are installed, so it is given them in that shape.
-types:
-	rm -rf build/types && mkdir -p build/types
-	cp -r beadband build/types/ && cp -r analysis lmp_inputs build/types/beadband/
-	cd build/types && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p beadband
+# The type checker and the contracts of imports read packages where they are installed: they are given that shape.
+shape:
+	rm -rf build/shape && mkdir -p build/shape
+	cp -r beadband build/shape/ && cp -r analysis lmp_inputs build/shape/beadband/
+
+types: shape
+	cd build/shape && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p beadband
+
+imports: shape
+	cd build/shape && PYTHONPATH=. ../../$(BIN)/lint-imports --config ../../pyproject.toml --no-cache
 
 # What is installed holds the scripts, and no top-level package but beadband.
 wheel:
@@ -28,7 +46,7 @@ wheel:
 	$(BIN)/python -m zipfile -l build/wheel/beadband-*.whl | grep -q 'beadband/reporting/page.js'
 	! $(BIN)/python -m zipfile -l build/wheel/beadband-*.whl | grep -E '^(analysis|lmp_inputs|tests)/'
 
-check: lint types wheel
+check: lint types imports wheel
 
 clean:
 	rm -rf build *.egg-info $(VENV) .mypy_cache .ruff_cache .pytest_cache

@@ -1,31 +1,50 @@
-"""beadband: a stretched rubber band let go, as a ring of beads in LAMMPS."""
+"""beadband: a stretched rubber band released, as a ring of beads in LAMMPS."""
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 __version__ = "0.1.0"
 
 _PUBLIC = {
-    "Band": "band",
-    "CATALOGUE": "band",
-    "band_of": "band",
+    "run": "api",
+    "plan": "api",
+    "scene": "api",
+    "load": "runs.dispatch",
+    "analyze": "runs.dispatch",
+    "sweep": "studies.sweep",
+    "Scene": "model.scene",
+    "scene_of": "model.scene",
+    "Band": "model.bands",
+    "CATALOGUE": "model.bands",
+    "band_of": "model.bands",
+    "Law": "model.laws",
+    "register": "model.laws",
+    "constant": "model.laws",
+    "Plan": "planning.plan",
+    "plan_of": "planning.plan",
+    "Ring": "statics.ring",
+    "stretched_ring": "statics.ring",
+    "Run": "runs.results",
+    "Launch": "runs.launch_results",
+    "Observable": "observables",
+    "observable": "observables",
     "BeadbandError": "errors",
     "RunError": "errors",
     "UsageError": "errors",
-    "Scene": "scene",
-    "scene_of": "scene",
-    "Plan": "plan",
-    "plan_of": "plan",
-    "Ring": "ring",
-    "stretched_ring": "ring",
-    "Run": "results",
-    "Launch": "launching.results",
-    "run": "driver",
-    "analyze": "driver",
-    "sweep": "sweeping",
 }
 __all__ = ["__version__", *_PUBLIC]
+
+# In a clone the folders of beadband.analysis and beadband.lmp_inputs stand beside this package, not in it. With this
+# line the clone's own folder works too, installed or not.
+_here = os.path.dirname(os.path.abspath(__file__))
+if not os.path.isdir(os.path.join(_here, "analysis")):
+    __path__.append(os.path.dirname(_here))
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
 
 
 def __getattr__(name: str) -> Any:

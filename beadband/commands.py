@@ -8,47 +8,86 @@ import time
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from beadband.options import grid_values, scene_values
-from beadband.scene import Scene, scene_of
+from beadband import parameters
+from beadband.errors import UsageError, explain
+from beadband.model.scene import Scene, scene_of
 
 if TYPE_CHECKING:
-    from beadband.launching.results import Launch
-    from beadband.results import Run
+    from beadband.planning.launch_plan import LaunchPlan
+    from beadband.planning.plan import Plan
+    from beadband.runs.results import Run
+
+
+_LONGEST_S = 600.0
+_MOST_BYTES = 2e9
+"""Predicted time and disk from which on a run starts only with --force."""
+_WORTH_SAYING_S = 5.0
+_WORTH_SAYING_BYTES = 2e8
+"""Predicted time and disk from which on they are printed before the start, not only with the results."""
+
+
+def scene_values(arguments: Namespace) -> dict[str, Any]:
+    """Values of the scene from its file, if there is one, and the flags over them; UsageError for unused ones."""
+    from beadband.model.scenefile import read_scene
+
+    command = arguments.command
+    values = read_scene(arguments.scene) if arguments.scene is not None else {}
+    given = {key: parameters.parsed(key, text) for key, text in parameters.given(arguments).items()}
+    if given or command not in ("plan", "run"):
+        # What a plan chose for the scene of the file need not suit the one that the flags make of it.
+        for key in values.pop("planned", None) or ():
+            values.pop(key, None)
+    used = {
+        key: value for key, value in values.items() if key == "planned" or command in parameters.TABLE[key].commands
+    }
+    parameters.refuse_unused(
+        command, [key for key in values.keys() - used.keys() if values[key] != parameters.TABLE[key].default]
+    )
+    parameters.refuse_errors(command, used | given)
+    return used | given
 
 
 def bands(arguments: Namespace) -> int:
-    """List the catalogue."""
-    from beadband import tables
+    """List the catalogue, or the bands of a file."""
+    from beadband.model.bands import CATALOGUE, band_rows, read_bands
+    from beadband.reporting import summary as tables
 
-    rows = tables.band_rows()
+    if arguments.file is None:
+        rows = band_rows(CATALOGUE.values())
+    else:
+        path = arguments.file
+        rows = band_rows(scene_of({"band": name, "band_file": path}).band for name in read_bands(path))
     print(json.dumps(rows, indent=1) if arguments.json else tables.bands(rows))
     return 0
 
 
 def plan(arguments: Namespace) -> int:
     """Say what a scene needs."""
-    from beadband import tables
-    from beadband.launching.plan import launch_plan_of
-    from beadband.plan import plan_of
+    from beadband.planning import plan_scene
+    from beadband.reporting import summary as tables
 
-    scene = scene_of(scene_values(arguments))
-    chosen = launch_plan_of(scene).twin if scene.until == "launch" else plan_of(scene)
+    chosen = plan_scene(scene_of(scene_values(arguments)))
     print(json.dumps(tables.plan_values(chosen), indent=1) if arguments.json else tables.plan(chosen))
     return 0
 
 
 def run(arguments: Namespace) -> int:
     """Release a scene."""
-    from beadband import driver, folder
-    from beadband.parallel import world
+    from beadband.lammps.ranks import world
+    from beadband.planning import plan_scene
+    from beadband.runs import dispatch as driver
+    from beadband.runs import folder
 
     scene = scene_of(scene_values(arguments))
     if world().rank > 0:
         driver.help_along(scene)
         return 0
-    out = arguments.out if arguments.out is not None else folder.next_free(_name(scene))
+    planned = plan_scene(scene)
+    _refuse_absurd(planned, scene.frames, arguments.force)
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free(_name(scene)))
+    _announce(planned)
     follow = _Progress("releasing: step") if sys.stderr.isatty() else None
     done = driver.run(scene, out, follow)
     code = _report(done, arguments.json)
@@ -56,18 +95,59 @@ def run(arguments: Namespace) -> int:
     return code
 
 
+_SAID_BEFORE = ("tolerance-not-expected", "speed-needs-more-beads", "frames-adjusted", "unusual-size")
+"""Warnings of a plan that a user wants to read before the time is spent, not after."""
+
+
+def _announce(planned: Plan | LaunchPlan) -> None:
+    """Predicted time and disk of a run that takes a while, on stderr, and what the plan warns of."""
+    if planned.seconds > _WORTH_SAYING_S or planned.disk_bytes > _WORTH_SAYING_BYTES:
+        print(f"predicted: {_duration(planned.seconds)}, {planned.disk_bytes / 1e6:.2g} MB on disk", file=sys.stderr)
+    for one in planned.warnings:
+        if one.code in _SAID_BEFORE:
+            print(f"note: {one}", file=sys.stderr)
+
+
+def _refuse_absurd(planned: Plan | LaunchPlan, frames: int | None, force: bool) -> None:
+    """UsageError, without --force, for a run predicted to take too long or, with all frames asked for, too much disk.
+
+    The plan may write fewer frames, one for each step at most: who asks for so many should know before the start.
+    """
+    from beadband.planning import error_curves
+
+    seconds, size = planned.seconds, max(planned.disk_bytes, error_curves.disk_bytes(planned.beads, frames or 0, 0))
+    if (seconds > _LONGEST_S or size > _MOST_BYTES) and not force:
+        raise UsageError(
+            explain(
+                "the run is predicted to take too long or too much disk",
+                f"{_duration(seconds)} and {size / 1e9:.2g} GB for {planned.steps} steps of {planned.beads} beads"
+                + (f" and {frames} frames" if frames else ""),
+                f"{_duration(_LONGEST_S)} and {_MOST_BYTES / 1e9:g} GB",
+                "use fewer --beads or --frames or a smaller --loss-time, or add --force",
+            ),
+            code="absurd-run",
+        )
+
+
+def _duration(seconds: float) -> str:
+    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.2g} s"
+
+
 def analyze(arguments: Namespace) -> int:
     """Measure a run again."""
-    from beadband import driver
+    from beadband.runs import dispatch as driver
 
     return _report(driver.analyze(arguments.dir), arguments.json)
 
 
 def plot(arguments: Namespace) -> int:
     """Draw the pictures of a run into its folder."""
-    from beadband import driver
+    from beadband.reporting.pictures import draw_folder
 
-    return _written([str(path) for path in driver.plot(arguments.dir)], arguments.json)
+    return _written([str(path) for path in draw_folder(arguments.dir)], arguments.json)
 
 
 def report(arguments: Namespace) -> int:
@@ -88,8 +168,8 @@ def movie(arguments: Namespace) -> int:
 
 def verify(arguments: Namespace) -> int:
     """Climb the ladder of checks."""
-    from beadband import verification
-    from beadband.verification import report
+    from beadband.studies import verification
+    from beadband.studies.verification import report
 
     start = time.perf_counter()
     checks = verification.verify(arguments.only)
@@ -101,7 +181,8 @@ def verify(arguments: Namespace) -> int:
 
 def reproduce(arguments: Namespace) -> int:
     """Draw the paper's figures and write the scorecard."""
-    from beadband import folder, reproduction
+    from beadband.runs import folder
+    from beadband.studies import reproduction
 
     reproduction.check_item(arguments.only)
     out = folder.create(arguments.out if arguments.out is not None else folder.next_free("reproduction"))
@@ -114,11 +195,13 @@ def reproduce(arguments: Namespace) -> int:
 
 def sweep(arguments: Namespace) -> int:
     """Release a grid of scenes."""
-    from beadband import sweeping, tables
-    from beadband.parallel import world
-    from beadband.sweeping.grid import grid_of
+    from beadband.lammps.ranks import world
+    from beadband.reporting import summary as tables
+    from beadband.studies import sweep as sweeping
+    from beadband.studies.sweep.grid import grid_of, read_grid
 
-    grid = grid_of(grid_values(arguments), arguments.random, arguments.seed)
+    values = read_grid(arguments.grid) if arguments.grid is not None else {}
+    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed)
     out = arguments.out if arguments.out is not None else "sweep"
     with _bar("scene") as follow:
         done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)
@@ -149,12 +232,14 @@ def _bar(unit: str) -> Iterator[Callable[[int, int], None] | None]:
 
 def launch_map(arguments: Namespace) -> int:
     """Launch a grid of scenes for each band."""
-    from beadband import folder
-    from beadband.launching import map as maps
+    from beadband.runs import folder
+    from beadband.studies import launch_map as maps
 
     out = folder.create(arguments.out if arguments.out is not None else folder.next_free("launch-map"))
     start = time.perf_counter()
-    points = maps.launch_map(arguments.quick, follow=_Progress("scene") if sys.stderr.isatty() else None)
+    points = maps.launch_map(
+        arguments.quick, jobs=arguments.jobs, follow=_Progress("scene") if sys.stderr.isatty() else None
+    )
     maps.write_map(points, out)
     print(json.dumps(maps.rows(points), indent=1) if arguments.json else maps.summary(points))
     print(f"files in {out}; {len(points)} launches in {time.perf_counter() - start:.0f} s", file=sys.stderr)
@@ -163,9 +248,9 @@ def launch_map(arguments: Namespace) -> int:
 
 def stability(arguments: Namespace) -> int:
     """Measure step limits and reproduce failures."""
-    from beadband import folder
-    from beadband import stability as failures
-    from beadband.stability import page
+    from beadband.runs import folder
+    from beadband.studies import stability as failures
+    from beadband.studies.stability import page
 
     failures.check_name(arguments.only)
     out = folder.create(arguments.out if arguments.out is not None else folder.next_free("stability"))
@@ -181,19 +266,23 @@ def stability(arguments: Namespace) -> int:
 
 def pareto(arguments: Namespace) -> int:
     """Draw the work-precision diagram."""
-    from beadband import folder, pareto
-    from beadband.pareto import report
+    from beadband.runs import folder
+    from beadband.studies import pareto
+    from beadband.studies.pareto import report
+    from beadband.studies.pareto.methods import FULL, QUICK
 
     scene = scene_of(scene_values(arguments))
     out = folder.create(arguments.out if arguments.out is not None else folder.next_free("pareto"))
-    result = pareto.pareto(scene, out, arguments.quick, _Progress("run") if sys.stderr.isatty() else None)
-    print(json.dumps(report.finite(result), indent=1) if arguments.json else report.table(result))
+    progress = _Progress("run") if sys.stderr.isatty() else None
+    result = pareto.pareto(scene, out, QUICK if arguments.quick else FULL, progress)
+    print(json.dumps(result, indent=1) if arguments.json else report.table(result))
     print(f"files in {out}; {result['wall_s']:.0f} s", file=sys.stderr)
     return 0
 
 
 def _name(scene: Scene) -> str:
-    return f"{scene.until}-{scene.band.name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
+    name = "".join(sign if sign.isalnum() or sign in "._" else "-" for sign in scene.band.name)
+    return f"{scene.until}-{name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
 
 
 def _written(paths: list[str], as_json: bool) -> int:
@@ -201,20 +290,15 @@ def _written(paths: list[str], as_json: bool) -> int:
     return 0
 
 
-def _report(done: Run | Launch, as_json: bool) -> int:
+def _report(done: Run, as_json: bool) -> int:
     """Print a finished run and what it does not keep of physics; return the exit code."""
-    from beadband import results, tables
-    from beadband.launching import results as launch_results
+    from beadband.reporting import summary as tables
+    from beadband.runs.results import to_json
 
-    if isinstance(done, results.Run):
-        values, failures = results.as_dict(done), results.failed_checks(done)
-        print(results.to_json(values) if as_json else tables.run(done), end="")
-    else:
-        values, failures = launch_results.as_dict(done), launch_results.failed_checks(done)
-        print(results.to_json(values) if as_json else launch_results.text(done), end="")
-    for sentence in failures:
-        print(f"physics check failed: {sentence}", file=sys.stderr)
-    return 3 if failures else 0
+    print(to_json(done.as_dict()) if as_json else tables.run(done), end="")
+    for failure in done.failed_checks:
+        print(f"physics check failed: {failure.sentence}", file=sys.stderr)
+    return 3 if done.failed_checks else 0
 
 
 class _Progress:

@@ -19,10 +19,9 @@ folder = Path(sys.argv[1] if len(sys.argv) > 1 else "tutorial-run")
 # 1. A scene is given by what differs from the default one: band III, strain 0.476, half-angle 14 degrees.
 scene = beadband.scene_of({"band": "II", "strain": 0.6})
 run = beadband.run(scene, folder)
-fit = run.measurement.speed_m_s  # slope of the rear's path, with the error of the fit
-print(f"rebound speed {fit.value:.2f} m/s from {run.plan.beads} beads")
+print(f"rebound speed {run.speed:.2f} m/s from {run.plan.beads} beads")  # value and whole error
 
-# 2. Everything that was found stands in results.json, in SI units; the error there holds the beads' share as well.
+# 2. Everything that was found stands in results.json, in SI units, with a dictionary in docs/results.md.
 results = json.loads((folder / "results.json").read_text())
 speed, error = results["rebound_speed_m_s"], results["rebound_speed_error_m_s"]
 string = results["string_speed_m_s"]  # the exact answer of a string without bending stiffness

@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from beadband import release
-from beadband.analysis.measurement import Measurement
-from beadband.engine import program
-from beadband.follow import follow_rear
-from beadband.plan import Plan, plan_of
-from beadband.results import Run
-from beadband.scene import scene_of
+from beadband.lammps.engine import program
+from beadband.model.scene import scene_of
+from beadband.planning.plan import Plan, plan_of
+from beadband.runs import release
+from beadband.runs.measurement import Measurement
+from beadband.runs.rear_run import follow_rear
+from beadband.runs.results import Run
 
 REQUIRE_ALL = os.environ.get("BEADBAND_TEST_ALL") == "1"
 """Set where nothing may be skipped but what is named in BEADBAND_TEST_WITHOUT."""

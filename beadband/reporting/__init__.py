@@ -1,1 +1,1 @@
-"""A run to look at: the page and the movie, both drawn from a :class:`~beadband.reporting.story.Story`."""
+"""A run to look at: the page and the movie, both drawn from a :class:`~beadband.reporting.report_data.Story`."""

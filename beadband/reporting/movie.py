@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beadband import folder as files
 from beadband.errors import RunError, UsageError, explain
 from beadband.reporting import colour
-from beadband.reporting.story import Story, read_story
+from beadband.reporting.report_data import Story, read_story
+from beadband.runs import folder as files
 
 Array = NDArray[np.float64]
 
@@ -42,6 +42,7 @@ def write(
 
     UsageError when the folder is not that of a finished run, and as :func:`film` has it.
     """
+    files.require(folder, files.RESULTS)
     path = files.outfile(out if out is not None else Path(folder) / NAME)
     return film(read_story(folder), path, fps, coloured_by, progress)
 

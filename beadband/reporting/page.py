@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beadband import folder as files
 from beadband.reporting import colour
-from beadband.reporting.story import Chart, Curve, Story, read_story
+from beadband.reporting.report_data import Chart, Curve, Story, read_story
+from beadband.runs import folder as files
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,7 @@ def write(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = N
 
     UsageError when the folder is not that of a finished run or ``out`` can't be, RunError when the disk refuses.
     """
+    files.require(folder, files.RESULTS)
     path = files.outfile(out if out is not None else Path(folder) / NAME)
     files.write_text(path, page(read_story(folder)))
     return path

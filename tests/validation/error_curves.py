@@ -1,4 +1,4 @@
-"""Measure the error curves behind beadband/accuracy.py: random scenes, each released on one leg at many bead spacings.
+"""Measure the error curves of beadband.planning: random scenes, each released on one leg at many bead spacings.
 
     python tests/validation/error_curves.py OUT.csv [--scenes 160] [--seed 1] [--edges]
 
@@ -20,12 +20,12 @@ from typing import Any
 
 import numpy as np
 
-from beadband import accuracy
-from beadband.engine import Session
 from beadband.errors import BeadbandError
-from beadband.follow import follow_rear
-from beadband.plan import plan_of
-from beadband.scene import scene_of
+from beadband.lammps.engine import Session
+from beadband.model.scene import scene_of
+from beadband.planning import error_curves
+from beadband.planning.plan import plan_of
+from beadband.runs.rear_run import follow_rear
 
 BEADS_A_LEG = (12, 16, 22, 32, 45, 64, 90, 128, 180, 256, 360, 512, 720)
 MOST_BEAD_STEPS = 1.2e7
@@ -55,7 +55,7 @@ def draw(rng: random.Random, edges: bool) -> dict[str, Any]:
 def curve(values: dict[str, Any]) -> list[dict[str, Any]]:
     """One row for each spacing: what was run, what it gave, what the plan predicts."""
     scene = scene_of(values)
-    string, rear = scene.string, accuracy.rear_length_m(scene, scene.string)
+    string, rear = scene.string, error_curves.rear_length_m(scene, scene.string)
     leg, length = scene.wedge.reference_leg_m, scene.band.circumference_m
     layer = plan_layer(scene)
     rows: list[dict[str, Any]] = []
@@ -78,7 +78,7 @@ def curve(values: dict[str, Any]) -> list[dict[str, Any]]:
                 "predicted": plan.speed_error,
             }
             try:
-                found = follow_rear(plan, session).speed_m_s
+                found = follow_rear(plan, session).fitted_speed_m_s
                 rows.append({**row, "speed_m_s": found.value, "fit_m_s": found.error, "failed": ""})
             except BeadbandError as error:
                 rows.append({**row, "speed_m_s": math.nan, "fit_m_s": math.nan, "failed": str(error)})
@@ -95,9 +95,8 @@ def curve(values: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def plan_layer(scene: Any) -> float:
-    from beadband.scales import bending_layer_m
 
-    return bending_layer_m(scene)
+    return scene.scales.bending_layer_m
 
 
 def table(rows: list[dict[str, Any]]) -> str:

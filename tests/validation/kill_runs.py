@@ -21,9 +21,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from beadband import folder as files
-from beadband import release
 from beadband.errors import UsageError
+from beadband.runs import folder as files
+from beadband.runs import release
 
 OPTIONS = ["--beads", "200", "--for", "speed"]
 
@@ -72,7 +72,7 @@ def look(folder: Path, ended: bool) -> tuple[str, str]:
         except (ValueError, UsageError) as error:
             return "finished", f"results.json is there and the run is not whole: {error}"
         # A whole results.json: the work was done, if the process lived to say so or not.
-        same = values["rebound_speed_m_s"] == again.measurement.speed_m_s.value
+        same = values["rebound_speed_m_s"] == again.measurement.fitted_speed_m_s.value
         return ("finished" if ended else "finished before the kill"), "" if same else "results.json is of another run"
     try:
         release.remeasure(folder)

@@ -49,10 +49,11 @@ def child(out: str, began: float) -> None:
     import numpy  # noqa: F401
 
     mark("import numpy")
-    from beadband import release, tables
-    from beadband.engine import load
-    from beadband.results import as_dict, to_json
-    from beadband.scene import scene_of
+    from beadband.lammps.engine import load
+    from beadband.model.scene import scene_of
+    from beadband.reporting import summary as tables
+    from beadband.runs import release
+    from beadband.runs.results import to_json
 
     mark("import beadband")
     load()
@@ -64,7 +65,7 @@ def child(out: str, began: float) -> None:
     last = time.perf_counter()
     tables.run(run)
     mark("table")
-    to_json(as_dict(run))
+    to_json(run.as_dict())
     last = time.perf_counter()
     print(json.dumps(marks), flush=True)
 
@@ -81,12 +82,12 @@ def process(command: list[str], **options: Any) -> tuple[float, str]:
 
 def inside_lammps(repeats: int) -> dict[str, list[float]]:
     """What the ring's part in LAMMPS is made of: an instance, reading and set-up, steps, frames of the ring."""
-    from beadband import inputs
-    from beadband.engine import Session, load
-    from beadband.follow import hold
-    from beadband.pareto.runs import read_clock, with_clock
-    from beadband.plan import plan_of
-    from beadband.scene import scene_of
+    from beadband.lammps import scripts
+    from beadband.lammps.engine import Session, load
+    from beadband.model.scene import scene_of
+    from beadband.planning.plan import plan_of
+    from beadband.runs.rear_run import hold
+    from beadband.studies.pareto.runs import read_clock, with_clock
 
     plan = plan_of(scene_of({}))
     ring = hold(plan)
@@ -99,10 +100,10 @@ def inside_lammps(repeats: int) -> dict[str, list[float]]:
         with Session() as session:
             session.run("", {})
             for pictures in (True, False):
-                inputs.write_ring(session.folder, plan, ring, pictures)
-                text = with_clock(inputs.script_text("release.in"))
+                scripts.write_ring(session.folder, plan, ring, pictures)
+                text = with_clock(scripts.script_text("release.in"))
                 start = time.perf_counter()
-                session.run(text, inputs.ring_variables(plan, ring, pictures))
+                session.run(text, scripts.ring_variables(plan, ring, pictures))
                 whole = time.perf_counter() - start
                 seconds[pictures] = read_clock(session.folder)[-1]
                 if pictures:
@@ -114,12 +115,12 @@ def inside_lammps(repeats: int) -> dict[str, list[float]]:
 
 def legs(repeats: int) -> list[dict[str, Any]]:
     """Relaxation and integration of the leg for the goals, with the true errors."""
-    from beadband.engine import Session
-    from beadband.pareto.methods import MAIN, Method
-    from beadband.pareto.reference import references
-    from beadband.pareto.runs import run_once
-    from beadband.plan import plan_of
-    from beadband.scene import scene_of
+    from beadband.lammps.engine import Session
+    from beadband.model.scene import scene_of
+    from beadband.planning.plan import plan_of
+    from beadband.studies.pareto.methods import FULL, MAIN, Method
+    from beadband.studies.pareto.reference import references
+    from beadband.studies.pareto.runs import run_once
 
     goals = [
         ("V to 0.5 %", {"for": "speed", "tolerance": 0.005}, 5.0),
@@ -128,7 +129,7 @@ def legs(repeats: int) -> list[dict[str, Any]]:
     ]
     rows = []
     with Session() as session:
-        truth = references(scene_of({}), False, session, [MAIN])[MAIN]
+        truth = references(scene_of({}), FULL.beads[-1], session, [MAIN])[MAIN]
         methods = [(name, Method("plan", name, plan_of(scene_of(values), "leg")), most) for name, values, most in goals]
         costs: dict[str, list[Any]] = {name: [] for name, _, _ in methods}
         errors = {}
@@ -166,7 +167,7 @@ def main() -> None:
     if arguments.child:
         child(arguments.child[0], float(arguments.child[1]))
         return
-    from beadband.engine import program
+    from beadband.lammps.engine import program
 
     lmp = program("lmp")
     wholes: dict[str, list[float]] = {"beadband run": [], "(a) numpy, lammps, instance": [], "(b) lmp release.in": []}

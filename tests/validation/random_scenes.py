@@ -20,12 +20,12 @@ from typing import Any
 
 import numpy as np
 
-from beadband.engine import Session
 from beadband.errors import BeadbandError
-from beadband.follow import estimate_of, follow_rear
-from beadband.plan import Plan, plan_of
-from beadband.results import joined_error_m_s
-from beadband.scene import scene_of
+from beadband.lammps.engine import Session
+from beadband.model.scene import scene_of
+from beadband.planning.plan import Plan, plan_of
+from beadband.runs.rear_run import estimate_of, follow_rear
+from beadband.runs.results import joined_error_m_s
 
 TOLERANCES = (0.02, 0.005, 0.001)
 BEADS_A_LEG = (9, 12, 17, 24, 34, 48, 68, 96, 136, 192, 272, 384, 543)
@@ -61,13 +61,13 @@ def judge(values: dict[str, Any]) -> list[dict[str, Any]]:
             plan = plan_of(scene_of({**values, "beads": max(24, round(count * ratio))}), "leg")
             if plan.bead_steps > MOST_BEAD_STEPS and count > FEWEST_FINE:
                 break
-            ladder.append((plan, follow_rear(plan, session).speed_m_s.value))
+            ladder.append((plan, follow_rear(plan, session).fitted_speed_m_s.value))
         (before, slow), (last, fast) = ladder[-2:]
         true = fast + (fast - slow) * before.beads / (last.beads - before.beads)
         for tolerance in TOLERANCES:
             plan = plan_of(scene_of({**values, "tolerance": tolerance}), "leg")
             start = time.perf_counter()
-            found = follow_rear(plan, session).speed_m_s
+            found = follow_rear(plan, session).fitted_speed_m_s
             middle = time.perf_counter()
             bar = joined_error_m_s(found, estimate_of(plan, session), plan.speed_error)
             end = time.perf_counter()

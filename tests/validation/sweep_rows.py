@@ -15,10 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
-from beadband.engine import Session
-from beadband.follow import follow_rear
-from beadband.plan import plan_of
-from beadband.scene import scene_of
+from beadband.lammps.engine import Session
+from beadband.model.scene import scene_of
+from beadband.planning.plan import plan_of
+from beadband.runs.rear_run import follow_rear
 
 MOST_BEAD_STEPS = 1.5e7
 
@@ -33,7 +33,7 @@ def judge(row: dict[str, str]) -> tuple[float, float, float]:
             plan = plan_of(scene_of({**values, "beads": factor * beads}), "leg")
             if plan.bead_steps > MOST_BEAD_STEPS and len(fine) >= 2:
                 break
-            fine.append((plan.beads, follow_rear(plan, session).speed_m_s.value))
+            fine.append((plan.beads, follow_rear(plan, session).fitted_speed_m_s.value))
     (coarse, slow), (finest, fast) = fine[-2:]
     true = fast + (fast - slow) * coarse / (finest - coarse)
     speed, bar = float(row["rebound_speed_m_s"]), float(row["rebound_speed_error_m_s"])

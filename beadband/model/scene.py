@@ -1,0 +1,444 @@
+"""A scene: which band is pulled how far and how, by which law, and how well the answer must be known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from beadband import parameters
+from beadband.errors import UsageError, explain
+from beadband.model.bands import (
+    PROPERTIES,
+    SIZES,
+    Band,
+    as_printed,
+    catalogue_values,
+    known_values,
+    made_band,
+    read_bands,
+)
+from beadband.model.calibration import Strand
+from beadband.model.laws import LAWS, Law, Linear, Softened, law_of
+from beadband.model.wedge import StringLimit, Wedge, published_ratio, string_limit, wave_speeds, wedge_of
+from beadband.parameters import AUTO, PLANNED, TABLE, checked, uncertain
+
+if TYPE_CHECKING:
+    from beadband.model.scales import Scales
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A release, as asked for; None where the plan may choose.
+
+    Build one with :func:`scene_of`, which checks it. Lengths in m, times in s, moduli in Pa.
+    """
+
+    band: Band
+    material: Law
+    """The law that the run follows."""
+    strain: float
+    half_angle_deg: float
+    until: str
+    tolerance: float
+    purpose: str
+    """What the plan must get right: "speed", or "curvature" with it."""
+    bending_modulus: str
+    bending_scale: float
+    """Factor on EI: 0 leaves bending out."""
+    finger: str
+    """Of a launch: whether the finger stays, or is taken away once it carries nothing."""
+    flight_s: float
+    """Of a launch whose finger clears: time that the band flies on after its rear has come to the finger's place."""
+    beads: int | None = None
+    timestep_s: float | None = None
+    loss_time_s: float | None = None
+    frames: int | None = None
+    """Frames of the whole ring after the first."""
+    steps: int | None = None
+    rear_steps: int | None = None
+    """Steps between frames of the rear; ``steps`` and this one are the plan's, kept so that a run can be repeated."""
+    planned: tuple[str, ...] = ()
+    """Which of the values from ``beads`` on were chosen by a plan."""
+    errors: tuple[tuple[str, float], ...] = ()
+    """Standard uncertainties of inputs, by their keys."""
+    covariance: tuple[tuple[float, ...], ...] = ()
+    """Of the law's constants, in their order, those of a list one by one; empty where none was given."""
+    samples: int = 0
+    """Draws of the inputs, beside the derivatives."""
+    auto_tolerance: bool = False
+    """Whether the plan makes the tolerance of what the inputs' errors are worth."""
+    input_share: float | None = None
+    """Relative error of V from the inputs that a tolerance "auto" was made from."""
+
+    @property
+    def law(self) -> str:
+        """Name of the law."""
+        return self.material.name
+
+    @property
+    def half_angle_rad(self) -> float:
+        return math.radians(self.half_angle_deg)
+
+    @property
+    def bending_stiffness_n_m2(self) -> float:
+        """EI, from the stated E or from E0."""
+        modulus = self.band.modulus_pa if self.bending_modulus == "table" else self.band.rest_modulus_pa
+        return self.bending_scale * modulus * self.band.second_moment_m4
+
+    @property
+    def bending_diffusivity_m2_s(self) -> float:
+        """a_b = sqrt(EI/(density A)); the same for any number of beads."""
+        return self.strand(1).bending_diffusivity_m2_s
+
+    @cached_property
+    def wedge(self) -> Wedge:
+        """The string's wedge."""
+        return wedge_of(self.band.circumference_m, self.strain, self.half_angle_rad)
+
+    @cached_property
+    def string(self) -> StringLimit:
+        """The string limit, EI -> 0."""
+        return string_limit(self.material, self.band.density_kg_m3, self.strain, self.half_angle_rad)
+
+    @cached_property
+    def scales(self) -> Scales:
+        """Times and lengths that decide what can be measured, and how finely it must be computed."""
+        from beadband.model.scales import scales_of
+
+        return scales_of(self)
+
+    @property
+    def hysteresis_j(self) -> float:
+        """Energy that the rubber keeps between loading and unloading, J; 0 for a law that unloads as it was loaded."""
+        return self.material.lost_density_pa(1.0 + self.strain) * self.band.area_m2 * self.band.circumference_m
+
+    @property
+    def published_ratio(self) -> float:
+        return published_ratio(self.strain, self.half_angle_rad)
+
+    def wave_speeds(self, front_speed_m_s: float) -> dict[str, float]:
+        """The three speeds that V is divided by, m/s (see :func:`beadband.model.wedge.wave_speeds`)."""
+        return wave_speeds(self.band, front_speed_m_s, self.strain, self.half_angle_rad)
+
+    def strand(self, beads: int) -> Strand:
+        """What a chain of so many beads must be made of."""
+        band = self.band
+        return Strand(
+            law=self.material,
+            spacing_m=band.circumference_m / beads,
+            area_m2=band.area_m2,
+            density_kg_m3=band.density_kg_m3,
+            modulus_pa=band.modulus_pa,
+            bending_stiffness_n_m2=self.bending_stiffness_n_m2,
+        )
+
+    def with_beads(self, beads: int) -> Scene:
+        """The same scene with another number of beads, and all that a plan chose for it left open again.
+
+        A loss time of the user's is physics and stays; a numerical one goes with the mesh.
+        """
+        return replace(self.unplanned(), beads=beads)
+
+    def unplanned(self, *keep: str) -> Scene:
+        """The scene with its plan left open again, but for a loss time of the user's and what is named in ``keep``."""
+        loss = None if "loss_time_s" in self.planned else self.loss_time_s
+        plan: dict[str, Any] = {key: getattr(self, key) if key in keep else None for key in PLANNED}
+        return replace(self, planned=(), **plan | {"loss_time_s": loss})
+
+    def with_law(self, name: str) -> Scene:
+        """The same scene under another law, with the constants that the catalogue has for its band.
+
+        UsageError where it has none.
+        """
+        known = catalogue_values().get(self.band.name, {})
+        return replace(self, material=law_of(name, {**known, **self.band.properties()}))
+
+    @cached_property
+    def label(self) -> str:
+        """What the band is called: its name, and what was changed of the catalogue's band of that name."""
+        known = catalogue_values().get(self.band.name)
+        if known is None:
+            return self.band.name
+        known = {"section": "rectangle", **known}
+        own = self.band.properties() | self.material.values()
+        changed = [key for key, value in own.items() if known.get(key) not in (None, value)]
+        if set(changed) >= {"circumference_m", "thickness_m"}:
+            return f"of {_size('circumference_m', own)} circumference"
+        # Constants of a law that the catalogue does not have for this band.
+        foreign = [key for key in self.material.values() if key not in known]
+        sizes = {key: f"{TABLE[key].option} {_size(key, own)}" for key in (*changed, *foreign)}
+        law = [self.law, *(sizes[key] for key in foreign)] if foreign else []
+        return ", ".join([self.band.name, *(sizes[key] for key in changed), *law])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Every value by its key, as scene files and results have it; open choices are left out."""
+        values: dict[str, Any] = {
+            "band": self.band.name,
+            "strain": self.strain,
+            "half_angle_deg": self.half_angle_deg,
+            "law": self.law,
+            "until": self.until,
+            "tolerance": self.tolerance,
+            "for": self.purpose,
+            "bending_modulus": self.bending_modulus,
+            "bending_scale": self.bending_scale,
+            "samples": self.samples or None,
+            **{key: getattr(self, key) for key in PLANNED},
+            "planned": list(self.planned) or None,
+        }
+        if self.until == "launch":
+            values.update({"finger": self.finger, "flight_s": self.flight_s})
+        values |= self.band.properties() | self.material.values()
+        return {key: value for key, value in values.items() if value is not None}
+
+
+def _size(key: str, values: Mapping[str, Any]) -> str:
+    """A value as a person writes it: lengths in mm, moduli in MPa."""
+    value, unit = values[key], TABLE[key].unit
+    factor, name = {"m": (1e3, "mm"), "Pa": (1e-6, "MPa")}.get(unit, (1.0, unit))
+    if isinstance(value, str):
+        return value
+    numbers = value if isinstance(value, tuple) else (value,)
+    return " ".join([",".join(f"{factor * each:.4g}" for each in numbers), *([name] if name else [])])
+
+
+_PLAIN = ("strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale", "finger", "flight_s")
+"""Parameters that are fields of a scene under the same name."""
+_BESIDE = ("planned", "covariance")
+"""Keys that no flag gives: they stand in files only."""
+KEYS = (*TABLE, *_BESIDE)
+"""Names under which :func:`scene_of` takes its values (those of laws that were registered later too)."""
+
+
+def scene_of(values: Mapping[str, Any]) -> Scene:
+    """Check the values of a scene, by the keys of the table of parameters, and put them together.
+
+    UsageError for an unknown key, a value out of range, a value that this scene does not use, and a scene that has no
+    answer.
+    """
+    given: dict[str, Any] = {}
+    errors: dict[str, float] = {}
+    for key, value in _with_band_file(values).items():
+        if key not in TABLE and key not in _BESIDE:
+            raise UsageError(explain("unknown scene option", repr(key), ", ".join(TABLE), "correct its name"))
+        plain, error = uncertain(key, value) if key in TABLE else (value, None)
+        if error is not None:
+            errors[key] = error
+        if plain is not None:
+            given[key] = plain
+    covariance = _matrix(given.pop("covariance", ()))
+    full = {**parameters.defaults(), **given}
+    planned = _planned(full.pop("planned", ()))
+    for key in given.keys() - {"planned", "band"}:
+        full[key] = checked(key, full[key])
+    band, material = _band_and_law(given, full)
+    rest: dict[str, Any] = {key: full.get(key) for key in (*_PLAIN, *PLANNED)}
+    rest |= {"errors": tuple(sorted(errors.items())), "covariance": covariance, "samples": full["samples"]}
+    if rest["tolerance"] == AUTO:
+        rest |= {"tolerance": TABLE["tolerance"].default, "auto_tolerance": True}
+    scene = Scene(band=band, material=material, planned=planned, purpose=full["for"], **rest)
+    _refuse_unused(scene, given)
+    _refuse_without_answer(scene)
+    if scene.samples and not (errors or covariance or full["inputs"] == "as-printed"):
+        allowed = "inputs with errors, as in --thickness '2.0e-3 +/- 5e-5', or --inputs as-printed"
+        raise UsageError(explain("there is nothing to draw", f"--samples {scene.samples}", allowed, "add errors"))
+    if full["inputs"] == "as-printed":
+        scene = replace(scene, errors=tuple(sorted((printed_errors(scene) | errors).items())))
+    return scene
+
+
+def _with_band_file(values: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The values with those of the band that was chosen from a file of bands, if there is one."""
+    path = values.get("band_file")
+    if path is None:
+        return values
+    bands = read_bands(checked("band_file", path))
+    name = values.get("band") or (next(iter(bands)) if len(bands) == 1 else None)
+    if name not in bands:
+        raise UsageError(explain(f"unknown band in {path!r}", repr(name), ", ".join(bands), "change --band"))
+    band = dict(bands[name])
+    if band.get("modulus_pa") is None and band.get("law") in LAWS:
+        plain = {key: uncertain(key, value)[0] if key in TABLE else value for key, value in band.items()}
+        band["modulus_pa"] = law_of(band["law"], plain).rest_modulus_pa
+    law = values.get("law")
+    if law not in (None, band.get("law")):
+        # Constants of the file's law mean nothing in another.
+        band = {key: value for key, value in band.items() if key in PROPERTIES}
+    return band | {key: value for key, value in values.items() if value is not None and key != "band_file"}
+
+
+def printed_errors(scene: Scene) -> dict[str, float]:
+    """Half a unit of the last printed digit of each number of a catalogue's band that the scene takes from it."""
+    units, known = as_printed(scene.band.name), known_values(scene.band.name)
+    own = scene.band.properties() | scene.material.values()
+    return {key: 0.5 * unit for key, unit in units.items() if key in own and own[key] == known[key]}
+
+
+def _band_and_law(given: Mapping[str, Any], full: Mapping[str, Any]) -> tuple[Band, Law]:
+    """The band and the law of the run, from what was given and what the catalogue knows."""
+    name = full["band"]
+    if not isinstance(name, str):
+        raise UsageError(explain("unknown band", repr(name), "a name", "change --band"))
+    own = name not in catalogue_values() and {"circumference_m", "thickness_m"} <= given.keys()
+    known = {} if own else known_values(name)
+    if known and given.get("section") not in (None, known.get("section", "rectangle")):
+        # Another shape: what the band of the catalogue has of the old one does not go with it.
+        kept = known.keys() - set(SIZES) | {"circumference_m", "thickness_m"}
+        known = {key: value for key, value in known.items() if key in kept}
+    of_file = next(
+        (TABLE[key].laws[0] for key in given if key in TABLE and TABLE[key].kind == "path" and TABLE[key].laws), None
+    )
+    law = given.get("law") or of_file or known.get("law") or full["law"]
+    values = known | {
+        key: full[key] for key in given if key in TABLE and (TABLE[key].section in ("band", "law") or TABLE[key].laws)
+    }
+    constants = dict(values)
+    if law == "linear":
+        constants.setdefault("modulus_pa", None)
+    elif law in LAWS and known.get("law") != law:
+        # Constants of the same name in another law mean something else.
+        mine = {one.key for one in LAWS[law].constants()}
+        constants = {key: value for key, value in constants.items() if key in given or key not in mine}
+    material = law_of(law, constants)
+    band = made_band(name, values, _rubber(material, known, values))
+    _refuse_stiffness(material, known, given)
+    return band, _released(material, given, 1.0 + full["strain"])
+
+
+def _released(material: Law, given: Mapping[str, Any], held: float) -> Law:
+    """The law of the unloading from the held stretch; UsageError for a softening that is incomplete or one too many."""
+    unloading = material.released_from(held)
+    r, m, beta = (given.get(key) for key in ("softening_r", "softening_m_pa", "softening_beta"))
+    if r is None and m is None and beta is None:
+        return unloading
+    if r is None or not (m or beta):
+        raise UsageError(
+            explain(
+                "the softening lacks a constant",
+                f"r {r}, m {m} Pa, beta {beta}",
+                "r, and m or beta above 0",
+                "add --softening-r, and --softening-m or --softening-beta",
+            )
+        )
+    if unloading is not material:
+        raise UsageError(
+            explain(
+                "the unloading is given twice",
+                "an unloading curve and --softening-r",
+                "one of the two",
+                "leave --tensile-unloading or --softening-r out",
+            )
+        )
+    return Softened(material, held, r, m or 0.0, beta or 0.0)
+
+
+def _rubber(material: Law, known: Mapping[str, Any], values: Mapping[str, Any]) -> Law:
+    """The law that tells the modulus at rest.
+
+    A linear law stands in for the rubber of the catalogue's band, as long as its modulus is that band's.
+    """
+    if isinstance(material, Linear) and known and values["modulus_pa"] == known["modulus_pa"]:
+        return law_of(known["law"], known)
+    return material
+
+
+def _refuse_stiffness(material: Law, known: Mapping[str, Any], given: Mapping[str, Any]) -> None:
+    """Refuse constants that the law does not use, and a modulus that does not reach the stress."""
+    mine = {one.key for one in material.inputs()}
+    flags = " ".join(one.flag for one in material.inputs() if one.section != "record")
+    for key in given:
+        one = TABLE.get(key)
+        other = one is not None and one.laws and one.section in ("law", "record")
+        if one is None or not other or key in mine or given[key] == known.get(key):
+            continue
+        raise UsageError(
+            explain(
+                f"{one.flag} is not used by the law {material.name}", given[key], flags, "leave it out, or change --law"
+            )
+        )
+    modulus = given.get("modulus_pa")
+    if known and modulus not in (None, known["modulus_pa"]) and not {"modulus_pa", *given} & mine:
+        raise UsageError(
+            explain(
+                f"--modulus does not change the stress under the law {material.name}, only EI and C",
+                f"--modulus {modulus:g} alone",
+                f"--modulus with {flags}, or with --law linear",
+                f"add {flags}, or --law linear",
+            ),
+            code="unused-parameter",
+        )
+
+
+def _matrix(rows: Any) -> tuple[tuple[float, ...], ...]:
+    """A covariance as a tuple of rows; UsageError for what is no square matrix of numbers."""
+    try:
+        found = tuple(tuple(float(each) for each in row) for row in rows)
+    except (TypeError, ValueError):
+        found = ((),)
+    if any(len(row) != len(found) for row in found):
+        raise UsageError(explain("the covariance is no matrix", repr(rows), "as many rows as columns", "correct it"))
+    return found
+
+
+def _planned(names: Any) -> tuple[str, ...]:
+    if not isinstance(names, (list, tuple)) or not all(name in PLANNED for name in names):
+        raise UsageError(
+            explain("planned lists what is no choice of a plan", repr(names), ", ".join(PLANNED), "remove the line")
+        )
+    return tuple(names)
+
+
+def _refuse_unused(scene: Scene, given: Iterable[str]) -> None:
+    """Refuse what was given and needs another value beside it to be used."""
+    state = {"until": scene.until, "finger": scene.finger}
+    for one in (TABLE[key] for key in given if key in TABLE):
+        for other, needed in (one.only or {}).items():
+            if state[other] != needed and getattr(scene, one.key) != one.default:
+                partners = " and ".join(f"{TABLE[key].flag} {value}" for key, value in (one.only or {}).items())
+                raise UsageError(
+                    explain(
+                        f"{one.flag} is not used with {other} {state[other]}",
+                        f"{one.flag} {getattr(scene, one.key)}",
+                        f"{partners} with {one.flag}",
+                        f"add {TABLE[other].flag} {needed}, or leave {one.flag} out",
+                    ),
+                    code="unused-parameter",
+                )
+
+
+def _refuse_without_answer(scene: Scene) -> None:
+    """Refuse what has no answer, with the number that decides."""
+    closing = (1.0 + scene.strain) * math.sin(scene.half_angle_rad)
+    if closing >= 1.0:
+        raise UsageError(
+            explain(
+                "the wedge is too wide for its strain",
+                f"(1 + strain) sin(half-angle) = {closing:.4g}",
+                "below 1",
+                "lower --strain or --half-angle",
+            )
+        )
+    longest, peak = scene.material.longest_stretch(), scene.material.peak_stretch()
+    if longest is not None and 1.0 + scene.strain >= longest:
+        raise UsageError(
+            explain(
+                f"band {scene.label} can't be held at this strain: {scene.material.ends_because} at a stretch of "
+                f"{longest:.6g}",
+                f"strain {scene.strain:g}",
+                f"below {longest - 1.0:.6g}",
+                "lower --strain or use another law",
+            )
+        )
+    if peak is not None and 1.0 + scene.strain >= peak:
+        raise UsageError(
+            explain(
+                f"band {scene.label} can't be held at this strain: its tension peaks at a stretch of {peak:.4g} "
+                "and falls beyond it, where a uniform stretch is unstable",
+                f"strain {scene.strain:g}",
+                f"below {peak - 1.0:.4g}",
+                "lower --strain or use --law linear",
+            )
+        )

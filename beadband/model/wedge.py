@@ -1,0 +1,93 @@
+"""The scene as geometry, and its exact answer without bending: the string limit (EI -> 0)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+from beadband.model.bands import Band
+from beadband.model.laws import Law, UnloadingWave
+from beadband.model.roots import root
+
+
+@dataclass(frozen=True)
+class Wedge:
+    """A uniformly stretched string around a finger, held at a point (lengths in m).
+
+    Legs of stretched length L leave the tip at the half-angle to both sides and touch the finger tangentially.
+    """
+
+    leg_m: float
+    """Stretched leg L, from the tip to where it touches the finger."""
+    reference_leg_m: float
+    """The same leg unstretched, l0 = L/(1 + strain)."""
+    finger_radius_m: float
+    """R = L tan(half-angle)."""
+
+
+def wedge_of(circumference_m: float, strain: float, half_angle_rad: float) -> Wedge:
+    """Close the band around the finger: (1+strain) Cb = L [2 + tan(phi) (pi + 2 phi)]."""
+    slope = math.tan(half_angle_rad)
+    leg = (1.0 + strain) * circumference_m / (2.0 + slope * (math.pi + 2.0 * half_angle_rad))
+    return Wedge(leg, leg / (1.0 + strain), leg * slope)
+
+
+@dataclass(frozen=True)
+class StringLimit:
+    """Exact self-similar release of a string wedge; speeds in m/s."""
+
+    residual_strain: float
+    """Strain behind the front, kept up by the kink."""
+    residual_stress_pa: float
+    leg_speed_m_s: float
+    """Speed of the leg along itself behind the front, u."""
+    rear_speed_m_s: float
+    """Speed of the rear segment, V = u cos(phi)/(1 - sin(phi))."""
+    front_speed_m_s: float
+    """Speed of the unloading front in reference length."""
+    wave: UnloadingWave
+    """The whole unloading wave, of which the front is the foremost point."""
+
+
+@lru_cache(maxsize=256)
+def string_limit(law: Law, density_kg_m3: float, strain: float, half_angle_rad: float) -> StringLimit:
+    """Solve u sin(phi) = k (1 - sin(phi)), k = sqrt(stress1 stretch1/density), for the stretch behind the front.
+
+    The residual tension is always positive: without it the kink could not travel.
+    """
+    sine = math.sin(half_angle_rad)
+    held = 1.0 + strain
+
+    def surplus(behind: float) -> float:
+        kink = math.sqrt(max(law.stress(behind), 0.0) * behind / density_kg_m3)
+        return law.unloading_wave(held, behind, density_kg_m3).particle_speed_m_s * sine - kink * (1.0 - sine)
+
+    behind = root(surplus, 1.0, held)
+    wave = law.unloading_wave(held, behind, density_kg_m3)
+    return StringLimit(
+        residual_strain=behind - 1.0,
+        residual_stress_pa=float(law.stress(behind)),
+        leg_speed_m_s=wave.particle_speed_m_s,
+        rear_speed_m_s=wave.particle_speed_m_s * math.cos(half_angle_rad) / (1.0 - sine),
+        front_speed_m_s=wave.front_speed_m_s,
+        wave=wave,
+    )
+
+
+def published_ratio(strain: float, half_angle_rad: float) -> float:
+    """V/C of the published formula, [strain/(1+strain)]/(1 - sin phi): the limit of no residual tension."""
+    return strain / (1.0 + strain) / (1.0 - math.sin(half_angle_rad))
+
+
+def wave_speeds(band: Band, front_speed_m_s: float, strain: float, half_angle_rad: float) -> dict[str, float]:
+    """The three speeds that a rebound is divided by, in m/s.
+
+    ``bar`` is sqrt(E/density), ``rest`` sqrt(E0/density), ``front_horizontal`` the speed in space at which the
+    front runs towards the finger, (1+strain) cos(phi) times its speed in reference length.
+    """
+    return {
+        "bar": band.bar_speed_m_s,
+        "rest": band.rest_speed_m_s,
+        "front_horizontal": (1.0 + strain) * front_speed_m_s * math.cos(half_angle_rad),
+    }

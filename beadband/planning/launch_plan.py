@@ -1,0 +1,247 @@
+"""The plan of a launch: the release's, and what the finger, the meeting of the fronts and the flight add to it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from beadband.errors import UsageError, explain
+from beadband.model.calibration import Strand
+from beadband.model.launch_string import StringLaunch, string_launch
+from beadband.model.scene import Scene
+from beadband.model.validity import outside_test
+from beadband.notices import Notice, notice
+from beadband.parameters import MOST_STEPS, PLANNED
+from beadband.planning import error_curves
+from beadband.planning.plan import STEP_SHARE, Plan, plan_of
+from beadband.planning.sampling import given, interval_s
+from beadband.statics.finger import Support, finger_loads_n, settle_on
+from beadband.statics.ring import Ring, stretched_ring
+
+DEPTH_BOUND = 0.01
+"""Deepest penetration of the finger that a sound launch may have, over the band's thickness."""
+HELD_DEPTH = 0.0001
+"""Depth of the most loaded bead in the held ring, over the thickness, at most; grazes of the band go deeper."""
+CONTACT_SHARE = 0.3
+"""Share of the square of the largest frequency that the step bears which the contact takes where it is free to."""
+CORE_DEPTH = 0.5
+"""Depth over the thickness beyond which the contact counts as broken through, and LAMMPS stops."""
+SHORTEST_STRETCH = 0.05
+"""Where the bond table of a launch begins: fronts that meet compress the band as no release does."""
+_LEAST_COMPRESSION = 0.35  # measured: the deepest of the linear law at a strain of 1.4, whose beads buckle aside
+CAP = 3.0
+"""Longest run, in units of what the string takes to be free and for its rear to arrive."""
+FRAMES = 100
+_FEWEST_REAR_STEPS = 4
+_MOST_REAR_STEPS = 16  # the contact bounces in no less: its depth must not be missed
+_IDLE_SHARE = 0.03
+_APPROACH = 1.5
+_NOSE = 0.5
+_GRAZE = 0.4  # speed of a graze over that of the rear; measured depths then stay below the bound
+
+
+@dataclass(frozen=True)
+class LaunchPlan:
+    """Everything that a launch needs to know beyond the physics; times in s."""
+
+    release: Plan
+    """Plan of the release of the same beads, with the scene of the launch, its step and its samples."""
+    string: StringLaunch
+    contact_stiffness_n_m: float
+    steps: int
+    """Most steps until the rear arrives."""
+    frame_steps: int
+    rear_steps: int
+    """Steps between lines of finger.dat and frames of the rear."""
+    idle_steps: int
+    """The finger is free when it has carried nothing for so many steps."""
+    flight_steps: int
+
+    @property
+    def reasons(self) -> tuple[Notice, ...]:
+        return self.release.reasons
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        return self.release.warnings
+
+    @property
+    def scene(self) -> Scene:
+        return self.release.scene
+
+    @property
+    def beads(self) -> int:
+        return self.release.beads
+
+    @property
+    def timestep_s(self) -> float:
+        return self.release.timestep_s
+
+    @property
+    def strand(self) -> Strand:
+        return self.release.strand
+
+    @property
+    def expected_steps(self) -> int:
+        """Steps until the string's rear arrives, and of the flight."""
+        return round(max(self.string.rear_arrival_s, self.string.finger_free_s) / self.timestep_s) + self.flight_steps
+
+    @property
+    def seconds(self) -> float:
+        """Predicted wall time on one core, without the second run that judges the error."""
+        return error_curves.seconds("ring", self.beads, self.expected_steps, self.expected_steps // self.frame_steps)
+
+    @property
+    def disk_bytes(self) -> float:
+        """Predicted size of the files."""
+        rear, steps = self.rear_steps, self.expected_steps
+        return error_curves.disk_bytes(self.beads, steps // self.frame_steps, 2 * steps // rear)
+
+    @property
+    def cap_s(self) -> float:
+        return self.steps * self.timestep_s
+
+    @property
+    def gap_margin_m(self) -> float:
+        """Distance of the rear at which the next look might come too late."""
+        return _APPROACH * self.release.string.rear_speed_m_s * self.rear_steps * self.timestep_s
+
+    @property
+    def nose_beads(self) -> int:
+        """Beads to either side of the tip that count as the rear which arrives.
+
+        Half of what the string's kink has left behind when the rear arrives, x tan(phi)/stretch1 with
+        x = L/cos(phi) - R: the waves in the legs that run before it may touch the finger and are no arrival.
+        """
+        wedge, phi = self.scene.wedge, self.scene.half_angle_rad
+        way = wedge.leg_m / math.cos(phi) - wedge.finger_radius_m
+        behind = way * math.tan(phi) / (1.0 + self.release.string.residual_strain)
+        return max(1, round(_NOSE * behind / self.strand.spacing_m))
+
+    def held(self) -> tuple[Ring, Support]:
+        """The held ring at rest on its finger."""
+        scene = self.scene
+        ring = stretched_ring(self.strand, self.beads, scene.strain, scene.half_angle_rad)
+        return settle_on(ring, self.strand, self.contact_stiffness_n_m)
+
+
+def launch_plan_of(scene: Scene) -> LaunchPlan:
+    """Choose what the scene leaves open; UsageError for a choice of the user's that can't work."""
+    # Beads and loss as the release takes them; a step that was chosen for the launch does not suit the release.
+    bare = replace(scene, until="release", finger="stays", flight_s=0.0)
+    release = plan_of(replace(bare, timestep_s=None, frames=None, steps=None, rear_steps=None))
+    strand, string = release.strand, string_launch(scene)
+    reasons = [one for one in release.reasons if one.code not in ("step", "frames")]
+    warnings = list(release.warnings)
+
+    compression = min(_meeting_stretch(scene), 1.0)
+    warnings += outside_test(scene, compression)
+    largest = strand.largest_step_s(release.loss_time_s, scene.strain, compression)
+    target = scene.timestep_s or min(release.timestep_s, STEP_SHARE * largest)
+    stiffness, limit = _contact(scene, strand, release.beads, target, largest, scene.timestep_s is None)
+    timestep = scene.timestep_s or min(target, STEP_SHARE * limit)
+    if timestep > limit:
+        raise UsageError(
+            explain(
+                "the time step is beyond the limit of stability",
+                f"{timestep:.4g} s",
+                f"at most {limit:.4g} s for {release.beads} beads on a finger",
+                "lower --timestep or --beads",
+            )
+        )
+    reasons.append(notice("launch-step", step_s=timestep, value=timestep / limit, limit=compression))
+    phase = math.sqrt(stiffness / strand.bead_mass_kg) * timestep
+    reasons.append(notice("finger-stiffness", value=stiffness, phase=phase))
+    duration = max(string.finger_free_s, string.rear_arrival_s)
+    steps, frame_steps, rear_steps = _sampling(scene, timestep, duration, CAP * duration)
+    flight = rear_steps * math.ceil(scene.flight_s / timestep / rear_steps)
+    if steps + flight > MOST_STEPS:
+        raise UsageError(
+            explain("the run would be too long", f"{steps + flight} steps", f"at most {MOST_STEPS}", "raise --timestep")
+        )
+    frames, looks = duration / (frame_steps * timestep), duration / (rear_steps * timestep)
+    reasons.append(notice("launch-frames", frames=frames, rear=looks, steps=steps))
+    if string.pause_s < 0.0:
+        warnings.append(notice("hand-is-hit", value=-string.pause_s))
+    planned = tuple(key for key in PLANNED if getattr(scene, key) is None or key in scene.planned)
+    whole = replace(
+        scene,
+        beads=release.beads,
+        timestep_s=timestep,
+        loss_time_s=release.loss_time_s,
+        frames=steps // frame_steps,
+        steps=steps,
+        rear_steps=rear_steps,
+        planned=planned,
+    )
+    return LaunchPlan(
+        release=replace(
+            release,
+            scene=whole,
+            timestep_s=timestep,
+            largest_timestep_s=limit,
+            steps=steps,
+            frame_steps=frame_steps,
+            rear_steps=rear_steps,
+            reasons=tuple(reasons),
+            warnings=tuple(warnings),
+        ),
+        string=string,
+        contact_stiffness_n_m=stiffness,
+        steps=steps,
+        frame_steps=frame_steps,
+        rear_steps=rear_steps,
+        idle_steps=rear_steps * max(2, math.ceil(_IDLE_SHARE * string.finger_free_s / (rear_steps * timestep))),
+        flight_steps=flight,
+    )
+
+
+def _meeting_stretch(scene: Scene) -> float:
+    """Stretch to which two strands running at each other at u are compressed, if they stay straight.
+
+    The jump condition density u^2 = (stress1 - stress)(stretch1 - stretch) with the string's state behind the fronts.
+    Measured bonds come within some hundredths of it, and stay longer where they can buckle aside.
+    """
+    string, law, density = scene.string, scene.material, scene.band.density_kg_m3
+    behind = 1.0 + string.residual_strain
+    for i in range(200):
+        stretch = behind - (behind - _LEAST_COMPRESSION) * i / 199.0
+        jump = (string.residual_stress_pa - float(law.stress(stretch))) * (behind - stretch)
+        if jump > density * string.leg_speed_m_s**2:
+            return stretch
+    return _LEAST_COMPRESSION
+
+
+def _contact(
+    scene: Scene, strand: Strand, beads: int, step_s: float, largest_s: float, free: bool
+) -> tuple[float, float]:
+    """Stiffness of the finger for one bead, N/m, and the largest step with it.
+
+    As stiff as the step bears at no cost, and never so soft that the held ring sinks in by more than its share, or
+    that a graze goes deeper than the bound. On coarse chains of a thin band that takes a shorter step.
+    """
+    ring = stretched_ring(strand, beads, scene.strain, scene.half_angle_rad)
+    needed = float(finger_loads_n(ring, strand).max()) / (HELD_DEPTH * scene.band.thickness_m)
+    mass, held = strand.bead_mass_kg, 1.0 + scene.strain
+    # A wave in a leg throws beads against the finger: one at the speed v goes in by v sqrt(mass/stiffness).
+    graze = _GRAZE * scene.string.rear_speed_m_s
+    needed = max(needed, mass * (graze / (DEPTH_BOUND * scene.band.thickness_m)) ** 2)
+    # A bead on the finger moves across the strand, which resists by its bending and by its tension.
+    bending = (4.0 * strand.bending_diffusivity_m2_s / (strand.spacing_m**2 * min(1.0, held))) ** 2
+    pull = 4.0 * strand.law.stress(held) / (held * strand.density_kg_m3 * strand.spacing_m**2)
+    across = bending + pull
+    bearable = (2.0 * (STEP_SHARE if free else 0.95) / step_s) ** 2
+    stiffness = max(needed, mass * min(CONTACT_SHARE * bearable, bearable - across))
+    return stiffness, min(largest_s, 2.0 / math.sqrt(across + stiffness / mass))
+
+
+def _sampling(scene: Scene, step_s: float, duration_s: float, cap_s: float) -> tuple[int, int, int]:
+    """Steps in all, from frame to frame, and from look to look at the rear; UsageError when they don't divide."""
+    if scene.steps is not None:
+        frames, rear_steps, steps = given(scene, scene.steps)
+        return steps, steps // frames, rear_steps
+    interval = interval_s(scene, scene.scales.front_arrival_s)
+    rear_steps = scene.rear_steps or min(max(_FEWEST_REAR_STEPS, int(interval / step_s)), _MOST_REAR_STEPS)
+    frames = scene.frames or FRAMES
+    frame_steps = rear_steps * max(1, round(duration_s / (frames * rear_steps * step_s)))
+    return frame_steps * math.ceil(cap_s / (frame_steps * step_s)), frame_steps, rear_steps

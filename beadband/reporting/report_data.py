@@ -1,0 +1,287 @@
+"""What a page or movie shows of a run: the band over time, curves and tables, apart from how they are drawn.
+
+:func:`read_story` reads a run's folder, :func:`tell` takes arrays; the page and the movie draw what they return.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from beadband.analysis.curvature import bond_stretch, ring_curvature
+from beadband.analysis.energy import Balance
+from beadband.analysis.fits import Array, Measured
+from beadband.analysis.readers import ReadError
+from beadband.errors import UsageError, explain
+from beadband.model.beam import at_rest_curvature, eq7_curvature
+from beadband.model.scales import SPEED_WINDOW
+from beadband.runs import folder as files
+from beadband.runs.rear_run import reading_users_files
+
+Rows = tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A quantity over time; arrays of shape (points,), values in the unit of its chart."""
+
+    name: str
+    times_s: Array
+    values: Array
+    style: str = "line"
+    """``line`` for what was computed, ``dashed`` and ``dotted`` for theory, ``bold`` for a fit over its window."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Curves that share their axes."""
+
+    key: str
+    title: str
+    unit: str
+    curves: tuple[Curve, ...]
+    window_s: tuple[float, float] | None = None
+    """A span of time to be shaded."""
+    window_name: str = ""
+    logarithmic: bool = False
+    """Whether it is read best on logarithmic axes."""
+    stacked: bool = False
+    """Whether the values are shares that lie on top of each other."""
+
+
+@dataclass(frozen=True)
+class Finger:
+    """The cylinder in front, as the beads' centre line feels it."""
+
+    centre_m: float
+    radius_m: float
+    until_s: float | None = None
+    """When it is withdrawn; None if it stays."""
+
+
+@dataclass(frozen=True)
+class Story:
+    """A run, ready to be drawn; frames in order of time, beads in order along the closed band."""
+
+    name: str
+    title: str
+    headline: str
+    times_s: Array
+    """Shape (frames,)."""
+    positions_m: Array
+    """Shape (frames, beads, 2)."""
+    stretch: Array
+    """Of the bond from each bead to the next, shape (frames, beads)."""
+    curvature_1_m: Array
+    """Turning angle at each bead over reference spacing, positive where the ring turns as a circle does; same shape."""
+    thickness_m: float
+    finger: Finger
+    tip_times_s: Array
+    """Times of the tip's speed, shape (points,)."""
+    tip_speed_m_s: Array
+    charts: tuple[Chart, ...]
+    results: Rows
+    scene: Rows
+    versions: Rows
+    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def frames(self) -> int:
+        return len(self.times_s)
+
+    @property
+    def beads(self) -> int:
+        return int(self.positions_m.shape[1])
+
+
+def read_story(folder: str | os.PathLike[str]) -> Story:
+    """The story of a finished run, from its folder alone; UsageError when it is not one, or can't be understood."""
+    from beadband.runs.dispatch import remeasure
+
+    path = files.require(folder, files.RESULTS, files.SCENE, files.TRAJECTORY, files.ENERGY)
+    results = files.stored_results(path) or {}
+    with reading_users_files():
+        run = remeasure(path)
+        ring = run.ring
+        try:
+            return tell(results, ring.times_s, ring.positions_m, run.energy, path.resolve().name)
+        except ReadError:
+            raise
+        except (KeyError, TypeError, IndexError, ValueError) as error:
+            raise UsageError(
+                explain(
+                    "the results of the run can't be understood",
+                    f"{str(path / files.RESULTS)!r} ({type(error).__name__}: {error})",
+                    "a whole results.json",
+                    "run it again",
+                )
+            ) from error
+
+
+def tell(results: Mapping[str, Any], times_s: Array, positions_m: Array, energies: Balance, name: str) -> Story:
+    """Put a run's results and frames in order for drawing.
+
+    Parameters
+    ----------
+    results : what results.json holds; ``launch`` may be among it.
+    times_s : shape (frames,).
+    positions_m : shape (frames, beads, 2), beads in order along the closed band.
+    energies : energies at the frames.
+    name : what the run is called.
+
+    Raises KeyError, TypeError or ValueError where ``results`` is not that of this ring.
+    """
+    from beadband.reporting.summary import result_rows
+
+    scene, held = results["scene"], results["held"]
+    launch = results.get("launch")
+    if positions_m.shape[1] != scene["beads"]:
+        raise ValueError(f"{positions_m.shape[1]} beads in the trajectory, {scene['beads']} in the scene")
+    spacing = scene["circumference_m"] / scene["beads"]
+    series = results["series"]
+    free = launch.get("finger_free_s") if launch and scene.get("finger") == "clears" else None
+    return Story(
+        name=name,
+        title=(
+            f"Band {scene.get('label', scene['band'])}, strain {scene['strain']:g}, "
+            f"half-angle {scene['half_angle_deg']:g}°, {scene['law']}"
+        ),
+        headline=_headline(results),
+        times_s=times_s,
+        positions_m=positions_m,
+        stretch=bond_stretch(positions_m, spacing),
+        curvature_1_m=ring_curvature(positions_m, spacing),
+        thickness_m=scene["thickness_m"],
+        finger=Finger(held["finger_centre_m"], held["finger_radius_m"], free),
+        tip_times_s=_array(series["t_s"]),
+        tip_speed_m_s=_array(series["tip_speed_m_s"]),
+        charts=(
+            _speed_chart(results),
+            _curvature_chart(results),
+            *(_launch_charts(launch) if launch else ()),
+            _energy_chart(energies),
+        ),
+        results=tuple(result_rows(results)),
+        scene=scene_rows(scene),
+        versions=tuple((str(key), str(value)) for key, value in results["versions"].items()),
+        warnings=tuple(str(sentence) for sentence in results["warnings"]),
+        notes=(
+            "Every frame but the first is an average over the interval before it, drawn at its midpoint.",
+            "The thickness of the band is to scale.",
+        ),
+    )
+
+
+def _array(values: Sequence[float]) -> Array:
+    return np.asarray(values, dtype=np.float64)
+
+
+def _headline(results: Mapping[str, Any]) -> str:
+    found = Measured(results["rebound_speed_m_s"], results["rebound_speed_error_m_s"])
+    speed = found.value
+    away = speed / results["string_speed_m_s"] - 1.0
+    text = (
+        f"The rear rebounds at {str(found).replace('+/-', '±')} m/s, {abs(away):.2%} "
+        f"{'above' if away > 0.0 else 'below'} the limit of a string that does not resist bending."
+    )
+    launch = results.get("launch") or {}
+    free, arrival, pause = (launch.get(key) for key in ("finger_free_s", "rear_arrival_s", "pause_s"))
+    if free is None or arrival is None or pause is None:
+        return text
+    return (
+        f"{text} The finger is free after {free * 1e3:.3g} ms and the rear arrives after {arrival * 1e3:.3g} ms: "
+        f"a pause of {pause * 1e3:.2g} ms."
+        if pause > 0.0
+        else f"{text} The rear arrives after {arrival * 1e3:.3g} ms, before the finger is free."
+    )
+
+
+def _speed_chart(results: Mapping[str, Any]) -> Chart:
+    series, speed = results["series"], results["rebound_speed_m_s"]
+    times = _array(series["t_s"])
+    window = np.array(SPEED_WINDOW) * results["front_arrival_s"]
+    ends = times[[0, -1]]
+    curves = [
+        Curve("rear tip", times, _array(series["tip_speed_m_s"])),
+        Curve("string limit (EI → 0)", ends, np.full(2, results["string_speed_m_s"]), "dashed"),
+        Curve("V, slope of the path", window, np.full(2, speed), "bold"),
+    ]
+    moving = (results.get("launch") or {}).get("series") or {}
+    if moving.get("centre_speed_m_s"):
+        curves.insert(1, Curve("centre of mass", _array(moving["t_s"]), _array(moving["centre_speed_m_s"])))
+    return Chart("speed", "Speed of the rear tip", "m/s", tuple(curves))
+
+
+def _curvature_chart(results: Mapping[str, Any]) -> Chart:
+    series, found = results["series"], results["curvature"]
+    times, values = _array(series["t_s"]), _array(series["tip_curvature_1_m"])
+    curves = [Curve("rear tip", times, values)]
+    diffusivity = math.sqrt(results["bending_stiffness_n_m2"] / results["mass_per_length_kg_m"])
+    if diffusivity > 0.0:
+        later = times[times > 0.0]
+        span = np.geomspace(later[0], later[-1], 41)
+        angle = math.radians(results["scene"]["half_angle_deg"])
+        curves += [
+            Curve("Eq. 7", span, _array(eq7_curvature(span, angle, diffusivity)), "dashed"),
+            Curve("beam kink released at rest", span, _array(at_rest_curvature(span, angle, diffusivity)), "dotted"),
+        ]
+    return Chart(
+        "curvature",
+        "Tip curvature",
+        "1/m",
+        tuple(curves),
+        window_s=tuple(found["window_s"]) if found else None,
+        window_name=f"self-similar window, κ ~ t^({found['exponent']:.2f})" if found else "",
+        logarithmic=True,
+    )
+
+
+def _energy_chart(energies: Balance) -> Chart:
+    share = 100.0 / energies.stored_j
+    parts = {
+        "stretching": energies.stretching_j,
+        "bending": energies.bending_j,
+        "kinetic": energies.kinetic_j,
+        "dissipated": energies.dissipated_j,
+    }
+    return Chart(
+        "energy",
+        f"Energies, {energies.stored_j * 1e3:.4g} mJ stored",
+        "%",
+        tuple(Curve(name, energies.times_s, share * values) for name, values in parts.items()),
+        stacked=True,
+    )
+
+
+def _launch_charts(launch: Mapping[str, Any]) -> list[Chart]:
+    """Force of the finger and clearance, as far as the run has them."""
+    series = launch.get("series") or {}
+    free, arrival = launch.get("finger_free_s"), launch.get("rear_arrival_s")
+    pause = (free, arrival) if free is not None and arrival is not None and free < arrival else None
+    charts = []
+    for key, title, unit, factor in (
+        ("finger_force_n", "Force on the finger", "N", 1.0),
+        ("clearance_m", "Clearance of the rear", "mm", 1e3),
+    ):
+        if series.get(key):
+            curve = Curve(title.lower(), _array(series["t_s"]), factor * _array(series[key]))
+            charts.append(Chart(key, title, unit, (curve,), pause, "pause: the finger is free" if pause else ""))
+    return charts
+
+
+def scene_rows(scene: Mapping[str, Any]) -> Rows:
+    """The scene under the names of scene.toml; what the plan chose is marked."""
+    planned = scene.get("planned") or ()
+    rows = []
+    for key, value in scene.items():
+        if key == "planned":
+            continue
+        text = f"{value:.6g}" if isinstance(value, float) else str(value)
+        rows.append((str(key), f"{text} (planned)" if key in planned else text))
+    return tuple(rows)

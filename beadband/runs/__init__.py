@@ -1,0 +1,1 @@
+"""One run: the release or launch of one scene, its folder, its measurement and its results."""

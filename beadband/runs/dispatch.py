@@ -1,0 +1,69 @@
+"""Releases and launches through one interface: the scene, or the files in a folder, say which it is."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+from beadband.analysis.readers import read, read_mdanalysis
+from beadband.errors import UsageError, explain
+from beadband.lammps.ranks import world
+from beadband.model.scene import Scene
+from beadband.runs import folder as files
+from beadband.runs import launch, release
+from beadband.runs.release import Progress, Reader
+from beadband.runs.results import Run
+
+
+def run(scene: Scene, out: str | os.PathLike[str] | None = None, progress: Progress | None = None) -> Run:
+    """Release or launch a scene.
+
+    With ``out`` everything about it is written into that new or empty folder, ``results.json`` last: where it is
+    missing, the run did not finish. Without, the files last as long as the result. Returns a :class:`Run`, for a
+    launch its extension :class:`Launch`; raises UsageError for a scene or folder that can't be used, RunError when
+    LAMMPS fails or a bead breaks through the finger.
+    """
+    if scene.until != "launch":
+        return release.run(scene, out, progress)
+    if world().size > 1:
+        raise _one_rank()
+    return launch.run(scene, out, progress)
+
+
+def help_along(scene: Scene) -> None:
+    """The part of every rank but the first in a run under mpirun; UsageError for a launch, which needs one rank."""
+    if scene.until == "launch":
+        raise _one_rank()
+    release.help_along()
+
+
+def _one_rank() -> UsageError:
+    return UsageError(explain("a launch runs on one rank", world().size, "one", "start it without mpirun"))
+
+
+def analyze(folder: str | os.PathLike[str]) -> Run:
+    """Measure a run again from the files in its folder alone, read through MDAnalysis in double precision.
+
+    The coarse run from which the error of discretisation is judged is taken from results.json, and left out where
+    that is missing; nothing is written. UsageError when the folder is not that of a whole run, or when a file is not
+    the one from which the results were made.
+    """
+    return remeasure(folder, read_mdanalysis)
+
+
+def remeasure(folder: str | os.PathLike[str], reader: Reader = read) -> Run:
+    """As :func:`analyze`, with beadband's own faster reader or another."""
+    launched = (Path(folder) / files.LAUNCH_SCRIPT).is_file()
+    return launch.remeasure(folder, reader) if launched else release.remeasure(folder, reader)
+
+
+def load(folder: str | os.PathLike[str]) -> Run:
+    """A finished run from its folder: speed, curvature, energies, and ``ring`` with the whole band over time.
+
+    UsageError when the folder is not that of a finished run, or when a file has changed since.
+    """
+    path = files.require(folder, files.RESULTS)
+    done, stored = remeasure(path), files.stored_results(path) or {}
+    version = (stored.get("versions") or {}).get("lammps", done.lammps_version)
+    return replace(done, wall_s=stored.get("wall_s") or done.wall_s, lammps_version=version)

@@ -1,0 +1,202 @@
+"""What the inputs' errors do to V and the curvature: a few legs with the same beads and steps, or many drawn ones.
+
+Derivatives are central differences between legs of the same discretisation, so that its errors cancel. Similarity
+(:mod:`beadband.model.uncertainty`) says which of them must be run for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from beadband.errors import BeadbandError, UsageError, explain
+from beadband.lammps.engine import Session
+from beadband.model.scene import Scene
+from beadband.model.uncertainty import BENDING, Array, Inputs, basis, changed, elasticities, inputs_of
+from beadband.planning.plan import Plan, plan_of
+from beadband.runs.measurement import Measurement
+from beadband.runs.rear_run import follow_rear
+
+TOLERANCE = 0.01
+"""Tolerance for which the legs of the derivatives are planned: what is left of it cancels."""
+_LEAST_STEP, _MOST_STEP = 0.003, 0.05
+"""Steps of the logarithm of an input, between which its own error is taken as the step."""
+_BENDING_STEP = 0.2
+"""The same of EI, on which V depends so little that a small step drowns in what single beads make of the kink."""
+_SPEED, _RATIO = 0.5, 0.0
+"""Sums of the elasticities of all moduli: of a speed, and of a number without dimension."""
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """What draws of the inputs gave."""
+
+    draws: int
+    refused: int
+    """Draws that had no answer; they are left out."""
+    mean_m_s: float
+    error_m_s: float
+    """Standard deviation of V over the draws."""
+    interval_95_m_s: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Which input costs how much of the error."""
+
+    inputs: Inputs
+    sensitivities: Array
+    """d ln V/d ln of each input, shape (inputs,)."""
+    shares: Array
+    """Share of each input in the variance of V, shape (inputs,); those of correlated ones are split evenly."""
+    speed_error_m_s: float
+    exponent_error: float | None
+    eq7_ratio_error: float | None
+    legs: int
+    """Legs that were run for it."""
+    sampled: Sampled | None = None
+
+    def rows(self) -> list[dict[str, Any]]:
+        """The inputs as results have them."""
+        inputs = self.inputs
+        columns = zip(inputs.names, inputs.values, inputs.errors, self.sensitivities, self.shares, strict=True)
+        return [
+            {"name": name, "value": value, "error": error, "sensitivity": slope, "share": share}
+            for name, value, error, slope, share in ((n, *map(float, rest)) for n, *rest in columns)
+        ]
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """Logarithm of the speed, exponent, and logarithm of the Eq. 7 ratio; NaN where there is none."""
+
+    speed: float
+    exponent: float
+    ratio: float
+
+    @classmethod
+    def of(cls, found: Measurement) -> _Answer:
+        decay = found.decay
+        nan = math.nan
+        return cls(
+            math.log(found.fitted_speed_m_s.value),
+            decay.exponent.value if decay else nan,
+            math.log(decay.eq7_ratio.value) if decay else nan,
+        )
+
+
+def budget_of(scene: Scene, speed_m_s: float, session: Session | None = None) -> Budget | None:
+    """The part of the inputs in the error of V, and of the curvature where it is asked for; None without errors.
+
+    ``speed_m_s`` is the answer that the errors belong to. A scene with ``samples`` is drawn as often, beside.
+    UsageError where an input's error reaches a scene that has no answer.
+    """
+    inputs = inputs_of(scene)
+    if inputs is None:
+        return None
+    with Session() if session is None else nullcontext(session) as own:
+        bare = replace(
+            scene.unplanned(), until="release", finger="stays", flight_s=0.0, errors=(), covariance=(), samples=0
+        )
+        base = plan_of(replace(bare, auto_tolerance=False, tolerance=max(TOLERANCE, scene.tolerance)), "leg")
+        wanted = basis(scene, inputs.names)
+        steps = dict(zip(inputs.names, np.abs(inputs.errors / inputs.values), strict=True))
+        slopes = {name: _derivative(base, name, steps.get(name, _BENDING_STEP), own) for name in wanted}
+        drawn = _sampled(base, inputs, scene.samples, own) if scene.samples else None
+
+    def joined(which: str, total: float) -> tuple[Array, Array, float]:
+        found = elasticities(scene, inputs.names, {name: getattr(d, which) for name, d in slopes.items()}, total)
+        parts = found * (inputs.relative_covariance @ found)
+        variance = float(parts.sum())
+        return found, parts / variance if variance > 0.0 else parts, math.sqrt(max(variance, 0.0))
+
+    found, shares, relative = joined("speed", _SPEED)
+    has_decay = scene.purpose == "curvature" and all(math.isfinite(one.exponent) for one in slopes.values())
+    exponent = joined("exponent", _RATIO)[2] if has_decay else None
+    ratio = joined("ratio", _RATIO)[2] if has_decay else None
+    return Budget(
+        inputs=inputs,
+        sensitivities=found,
+        shares=shares,
+        speed_error_m_s=relative * abs(speed_m_s),
+        exponent_error=exponent,
+        eq7_ratio_error=ratio,
+        legs=2 * len(slopes),
+        sampled=drawn,
+    )
+
+
+def same_discretisation(base: Plan, changes: Mapping[str, float]) -> Plan:
+    """The plan of a changed scene with the beads, the steps and the samples of another."""
+    scene = replace(changed(base.scene.unplanned(), changes), beads=base.beads)
+    plan = plan_of(scene, base.model)
+    timestep = base.timestep_s * plan.front_arrival_s / base.front_arrival_s
+    return replace(
+        plan,
+        scene=replace(plan.scene, timestep_s=timestep, steps=base.steps, rear_steps=base.rear_steps),
+        timestep_s=timestep,
+        steps=base.steps,
+        frame_steps=base.frame_steps,
+        rear_steps=base.rear_steps,
+        leg_bonds=base.leg_bonds,
+    )
+
+
+def _derivative(base: Plan, name: str, error: float, session: Session) -> _Answer:
+    """d ln V, d exponent and d ln ratio by d ln of an input, from two legs."""
+    step = _BENDING_STEP if name == BENDING else min(max(error, _LEAST_STEP), _MOST_STEP)
+    key, _, place = name.partition("[")
+    given = base.scene.as_dict()[key]
+    value = given[int(place[:-1])] if place else given
+    ends = []
+    for sign in (-1.0, 1.0):
+        try:
+            plan = same_discretisation(base, {name: value * math.exp(sign * step)})
+        except UsageError as refused:
+            raise UsageError(
+                explain(
+                    f"the error of {name} reaches a scene that has no answer",
+                    f"{name} {value:.6g} with an error of {error:.2g} of it ({refused})",
+                    "a scene further from the edge, or a smaller error",
+                    "change the scene",
+                )
+            ) from refused
+        ends.append(_Answer.of(follow_rear(plan, session)))
+    low, high = ends
+    width = 2.0 * step
+    return _Answer(
+        (high.speed - low.speed) / width, (high.exponent - low.exponent) / width, (high.ratio - low.ratio) / width
+    )
+
+
+def _sampled(base: Plan, inputs: Inputs, draws: int, session: Session, seed: int = 0) -> Sampled:
+    """V of scenes drawn from the inputs' normal distribution, by a Latin hypercube."""
+    from scipy.stats import norm, qmc
+
+    values, vectors = np.linalg.eigh(inputs.covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    normal = norm.ppf(qmc.LatinHypercube(len(inputs.names), seed=seed).random(draws))
+    speeds = []
+    for point in inputs.values + normal @ root.T:
+        try:
+            plan = same_discretisation(base, dict(zip(inputs.names, point.tolist(), strict=True)))
+            speeds.append(follow_rear(plan, session).fitted_speed_m_s.value)
+        except BeadbandError:
+            continue
+    if len(speeds) < max(2, draws // 2):
+        raise UsageError(
+            explain(
+                "the inputs' errors are too large to draw from",
+                f"{draws - len(speeds)} of {draws} draws without an answer",
+                "at most half",
+                "give smaller errors",
+            )
+        )
+    found = np.array(speeds)
+    low, high = np.percentile(found, [2.5, 97.5]).tolist()
+    return Sampled(draws, draws - len(found), float(found.mean()), float(found.std(ddof=1)), (low, high))

@@ -1,0 +1,213 @@
+"""Results of a launch: everything of a release's, and what the finger and the flight add."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from beadband.analysis.contact import LaunchMeasurement
+from beadband.analysis.energy import LaunchBalance
+from beadband.analysis.fits import Array, Measured
+from beadband.analysis.readers import Watch
+from beadband.notices import Notice, notice
+from beadband.planning.launch_plan import DEPTH_BOUND, LaunchPlan
+from beadband.runs.checks import Check, momentum_limit
+from beadband.runs.results import NoEstimate, Run, known_fields
+from beadband.statics.finger import Support
+
+ASIDE_SHARE = 0.01
+"""Distance of the rear from the axis, over the thickness, above which there is a notice."""
+
+
+@dataclass(frozen=True)
+class LaunchEstimate:
+    """The same launch with another number of beads, from which errors are judged."""
+
+    beads: int
+    centre_of_mass_speed_m_s: float | None = None
+    efficiency: float | None = None
+    momentum_n_s: float | None = None
+    finger_free_s: float | None = None
+    rear_arrival_s: float | None = None
+    pause_s: float | None = None
+
+    @classmethod
+    def of(cls, beads: int, found: LaunchMeasurement) -> LaunchEstimate:
+        """From what a launch with so many beads found."""
+        return cls(beads, **{name: getattr(found, name) for name in _COMPARED})
+
+
+_COMPARED = tuple(one.name for one in fields(LaunchEstimate) if one.name != "beads")
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Launch(Run):
+    """A finished launch: a release that goes on until the rear reaches the finger."""
+
+    energy: LaunchBalance
+    launch_plan: LaunchPlan
+    support: Support
+    watch: Watch
+    found: LaunchMeasurement
+    clearance_m: Array
+    """Shape (lines,): from the rear tip to the finger's surface, along the axis."""
+    crossed_s: float | None
+    """First frame in which the band crosses itself, which beads do and bands don't."""
+    launch_estimate: LaunchEstimate | NoEstimate
+
+    level: ClassVar[str] = "launch"
+
+    @property
+    def held_radius_m(self) -> float:
+        return self.support.radius_m
+
+    @property
+    def predicted(self) -> dict[str, float]:
+        return {"seconds": self.launch_plan.seconds, "bytes": self.launch_plan.disk_bytes}
+
+    @property
+    def aside_m(self) -> float:
+        """Largest distance of the rear tip from the axis of symmetry."""
+        return self.rear.asymmetry_m
+
+    @cached_property
+    def quiet_s(self) -> float:
+        """Time before which no disturbance from the finger can reach the tip.
+
+        Waves ahead of the front reach the finger early. Beads that rattle on it amplify rounding until the two sides
+        differ by the amplitude of those waves. The fastest wave of the chain is at most as fast as its shortest
+        bending waves (2 a_b/a for each unit of reference length) or as sound; it has to go to the finger and back.
+        """
+        strand, band = self.launch_plan.strand, self.scene.band
+        stretches = np.linspace(1.0, 1.0 + self.scene.strain, 33)
+        sound = math.sqrt(max(float(np.max(strand.law.tangent(stretches))), 0.0) / band.density_kg_m3)
+        bending = 2.0 * strand.bending_diffusivity_m2_s / strand.spacing_m
+        across = math.sqrt(max(float(np.max(strand.law.stress(stretches) / stretches)), 0.0) / band.density_kg_m3)
+        echo = 2.0 * self.scene.wedge.reference_leg_m / max(sound, bending + across)
+        return min(echo, self.plan.front_arrival_s)
+
+    @property
+    def _mass_kg(self) -> float:
+        band = self.scene.band
+        return band.mass_per_length_kg_m * band.circumference_m
+
+    @cached_property
+    def figures(self) -> dict[str, Measured | float | None]:
+        """What the launch gave, by the names of results.json, with errors where they are known.
+
+        The errors are the differences to the other number of beads: of whichever order those fall, the finer run is
+        closer than that. That of the finger's freedom adds its own.
+        """
+        found, coarse = self.found, self.launch_estimate
+        values = {name: getattr(found, name) for name in _COMPARED}
+        errors = {
+            name: abs(value - getattr(coarse, name))
+            for name, value in values.items()
+            if value is not None and getattr(coarse, name, None) is not None
+        }
+        pause = found.pause_s
+        if found.free is not None:
+            for name in {"finger_free_s", "pause_s"} & errors.keys():
+                errors[name] = math.hypot(errors[name], found.free.error)
+        values["escape_speed_m_s"] = self.support.radius_m / pause if pause is not None and pause > 0.0 else None
+        if values["escape_speed_m_s"] is not None and "pause_s" in errors:
+            errors["escape_speed_m_s"] = values["escape_speed_m_s"] * errors["pause_s"] / pause
+        return {name: Measured(value, errors[name]) if name in errors else value for name, value in values.items()}
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Where the stored energy is at the end, as shares of it."""
+        found, energy = self.found, self.energy
+        parts = {
+            "translation": found.translation_j,
+            "stretching": energy.stretching_j[-1],
+            "bending": energy.bending_j[-1],
+            "vibration": found.vibration_j,
+            "dissipated": energy.dissipated_j[-1],
+            "contact": energy.contact_j[-1],
+        }
+        return {name: float(value) / energy.stored_j for name, value in parts.items()}
+
+    @property
+    def finger(self) -> dict[str, float]:
+        """The finger and how deep the band pressed into it."""
+        return {
+            "radius_m": self.support.radius_m,
+            "centre_x_m": self.support.centre_m,
+            "stiffness_n_m": self.support.stiffness_n_m,
+            "deepest_m": self.found.depth_m,
+            "contact_energy_j": float(self.watch.contact_j.max()),
+        }
+
+    @property
+    def string(self) -> dict[str, Any]:
+        """The same launch of a string without bending."""
+        string = self.launch_plan.string
+        return {**asdict(string), "pause_s": string.pause_s}
+
+    @property
+    def held_force_n(self) -> float:
+        """Force on the finger while the band is held."""
+        return float(self.watch.force_n[0])
+
+    @property
+    def force_n(self) -> Array:
+        """Mean force of each interval; that of the release, which has none before it, is the held one."""
+        force = self.watch.mean_force_n.copy()
+        force[0] = self.watch.force_n[0]
+        return force
+
+    @property
+    def centre_speed_m_s(self) -> Array:
+        """Speed of the centre of mass, shape (lines,)."""
+        return self.watch.momentum_n_s / self._mass_kg
+
+    @property
+    def checks(self) -> dict[str, Check]:
+        found = self.found
+        depth = max(found.depth_m, 0.0) / self.scene.band.thickness_m
+        apart = abs(found.impulse_n_s - found.momentum_n_s) / abs(found.momentum_n_s)
+        return {
+            **super().checks,
+            "penetration": Check("too-deep", depth, DEPTH_BOUND),
+            "momentum": Check("momentum-unbalanced", apart, momentum_limit(self.plan.steps)),
+        }
+
+    def remarks(self) -> tuple[Notice, ...]:
+        found, plan = self.found, self.launch_plan
+        more = []
+        if found.rear_arrival_s is None:
+            more.append(notice("no-arrival", value=plan.cap_s))
+        elif found.finger_free_s is None:
+            more.append(notice("hit-while-loaded", value=0.25 * plan.idle_steps * plan.timestep_s))
+        if plan.scene.finger == "clears" and found.finger_free_s is None:
+            more.append(notice("finger-not-cleared"))
+        if found.touches:
+            pushed = sum(touch.impulse_n_s for touch in found.touches)
+            count, start, share = len(found.touches), found.touches[0].start_s, abs(pushed / found.momentum_n_s)
+            way = "lost" if pushed < 0.0 else "gained"
+            more.append(notice("touched-again", count=count, start_s=start, way=way, value=share))
+        if self.crossed_s is not None:
+            more.append(notice("crosses-itself", value=self.crossed_s))
+        if self.aside_m > ASIDE_SHARE * self.scene.band.thickness_m:
+            more.append(notice("buckled-aside", value=self.aside_m))
+        return (*super().remarks(), *more)
+
+    def __repr__(self) -> str:
+        figures = self.figures
+        speed, pause = figures["centre_of_mass_speed_m_s"], self.found.pause_s
+        flight = "no pause" if pause is None else f"pause {pause * 1e3:.3g} ms"
+        return f"{super().__repr__()[:-1]},\n centre of mass {speed} m/s, {flight}>"
+
+
+def stored_launch_estimate(values: Mapping[str, Any]) -> LaunchEstimate | NoEstimate:
+    """The coarse launch noted in results, of whichever version; what it does not hold is left open."""
+    noted = (values.get("launch") or {}).get("estimate")
+    if isinstance(noted, Mapping) and "beads" in noted:
+        return LaunchEstimate(**known_fields(LaunchEstimate, noted))
+    return NoEstimate("not-stored", "the results hold none")

@@ -1,0 +1,1 @@
+"""Many runs: sweeps, maps, and the studies that test the method and the paper."""

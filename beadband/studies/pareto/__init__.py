@@ -1,0 +1,122 @@
+"""The work-precision study: the cost of each method for the error that it leaves, all on the same axes."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from beadband.errors import BeadbandError
+from beadband.lammps.engine import Session
+from beadband.model.scene import Scene
+from beadband.parameters import PLANNED, TABLE, refuse_unused
+from beadband.studies.pareto.convergence import Row, pairs, row_of, with_errors
+from beadband.studies.pareto.methods import FULL, MAIN, Extent, Method, methods
+from beadband.studies.pareto.outcomes import DONE, Outcome, outcome_of
+from beadband.studies.pareto.runs import Answer, Cost, run_once
+
+TOLERANCES = (0.02, 0.005, 0.001)
+Progress = Callable[[int, int], None]
+
+
+def pareto(scene: Scene, folder: Path, extent: Extent = FULL, progress: Progress | None = None) -> dict[str, Any]:
+    """Run every method, find its errors, and write tables and charts into the folder, frontier.json last; return that.
+
+    UsageError for a scene that one leg can't model or that sets what the study varies, RunError when a reference fails.
+    """
+    from beadband.runs.folder import write_text
+    from beadband.runs.results import versions
+    from beadband.studies.pareto import charts, cores, frontier, page, report
+    from beadband.studies.pareto.findings import findings
+    from beadband.studies.pareto.findings_text import sentences
+    from beadband.studies.pareto.reference import references
+
+    given = {key: value for key, value in scene.as_dict().items() if key in TABLE and key not in scene.planned}
+    refuse_unused("pareto", [key for key, value in given.items() if value != TABLE[key].default])
+    start = time.perf_counter()
+    compared = [*methods(scene, extent), *plans(scene)]
+    kinds = list(dict.fromkeys([MAIN, *(method.own for method in compared)]))
+    load_before = os.getloadavg()[0]
+    with Session() as session:
+        limits = references(scene, max(extent.beads), session, kinds)
+        rows = measured(compared, session, progress, extent.repeats)
+    rows = with_errors([*rows, *pairs(rows)], limits)
+    other_work = max(load_before, os.getloadavg()[0] - 1.0)  # without this process
+    times = cores.timings(scene, extent)
+    result = frontier.as_dict(rows, limits[MAIN])
+    result.update(
+        {
+            "scene": scene.as_dict(),
+            "quick": extent != FULL,
+            "repeats": extent.repeats,
+            "outcomes": dict(Counter(row.outcome.code for row in rows).most_common()),
+            "findings": findings(rows, limits[MAIN], times, result["plan"], other_work),
+            "other_references": {name: one.as_dict() for name, one in limits.items() if name != MAIN},
+            "not_converging": report.not_converging(rows),
+            "cores": report.cores_dict(times),
+            "load_average": [load_before, os.getloadavg()[0]],
+            "processors": os.cpu_count(),
+            "wall_s": time.perf_counter() - start,
+            "versions": versions("see lammps_package"),
+        }
+    )
+    result = dict(report.finite(result))
+    result["sentences"] = sentences(result["findings"])
+    write_text(folder / "pareto.csv", report.csv_text(rows))
+    write_text(folder / "cores.csv", report.cores_csv(times))
+    charts.draw(rows, limits[MAIN], times, folder, scene)
+    write_text(folder / "pareto.md", page.markdown(result))
+    text = json.dumps(result, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    write_text(folder / "frontier.json", text, durable=True)
+    return result
+
+
+def plans(scene: Scene) -> list[Method]:
+    """The plan's own choices for each purpose and tolerance, to be compared with the other methods."""
+    from beadband.planning.plan import plan_of
+
+    found = []
+    for purpose in ("speed", "curvature"):
+        for tolerance in TOLERANCES:
+            free = replace(
+                scene,
+                purpose=purpose,
+                tolerance=tolerance,
+                planned=(),
+                **dict.fromkeys(PLANNED),  # type: ignore[arg-type]
+            )
+            found.append(Method("plan", f"{purpose} {100.0 * tolerance:g} %", plan_of(free, "leg"), level=tolerance))
+    return found
+
+
+def measured(
+    compared: Sequence[Method], session: Session, progress: Progress | None = None, repeats: int = FULL.repeats
+) -> list[Row]:
+    """Run every method ``repeats`` times in the session, in turns, so that what slows the machine slows all alike."""
+    answers: dict[int, Answer] = {}
+    failures: dict[int, Outcome] = {}
+    costs: dict[int, list[Cost]] = {index: [] for index in range(len(compared))}
+    order = list(range(len(compared)))
+    shuffled = random.Random(1)
+    for turn in range(repeats):
+        shuffled.shuffle(order)
+        for done, index in enumerate(order, 1):
+            if index in failures:
+                continue
+            try:
+                answers[index], cost = run_once(compared[index], session)
+                costs[index].append(cost)
+            except BeadbandError as error:
+                failures[index] = outcome_of(error)
+            if progress:
+                progress(turn * len(order) + done, repeats * len(order))
+    return [
+        row_of(method, costs[index], answers.get(index), failures.get(index, DONE))
+        for index, method in enumerate(compared)
+    ]

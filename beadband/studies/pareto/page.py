@@ -1,0 +1,113 @@
+"""pareto.md: charts, findings, frontiers, plans and what does not converge, all from frontier.json."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+from beadband.studies.pareto.findings_text import count, sentences
+from beadband.studies.pareto.outcomes import name_of
+from beadband.studies.pareto.report import TITLES, full_name
+
+_UNITS = {"speed": "m/s", "curvature_01": "1/m", "curvature_03": "1/m"}
+
+
+def numbered_findings(result: dict[str, Any]) -> str:
+    """The findings as a numbered list in Markdown."""
+    return "\n".join(f"{number}. {text}" for number, text in enumerate(sentences(result["findings"]), 1))
+
+
+def markdown(result: dict[str, Any]) -> str:
+    """The page of a result, given as in frontier.json."""
+    scene, reference = result["scene"], result["reference"]
+    outcomes = ", ".join(f"{name_of(code)} {number}" for code, number in result["outcomes"].items())
+    runs = sum(result["outcomes"].values())
+    known = ", ".join(
+        f"{title} {reference[name]['value']:.6g} ± {reference[name]['uncertainty']:.1g} {_UNITS[name]}"
+        for name, title in TITLES.items()
+        if name in reference
+    )
+    low, high = result["load_average"]
+    parts = [
+        "# Error against cost\n",
+        f"What each way to compute a release costs for the error that it leaves: band {scene['band']}, strain "
+        f"{scene['strain']:g}, half-angle {scene['half_angle_deg']:g} degrees, {scene['law']} law. "
+        f"{runs} methods and sizes, by outcome: {outcomes}.\n",
+        "![Error of V against cost, every method](pareto.png)\n",
+        "![Error of V against cost, one family at a time](pareto-methods.png)\n",
+        "## Findings\n",
+        numbered_findings(result),
+        "\n![Error of the tip curvature against cost](pareto-curvature.png)\n" if "curvature_01" in reference else "",
+        "![Cost of a bead and step on one core, and speed-up by a second](pareto-cores.png)\n",
+        "## How it was measured\n",
+        f"* **Error.** Relative to the limit of no spacing, extrapolated from runs with "
+        f"{', '.join(map(count, reference['beads']))} beads on a leg that reaches the finger: {known}. The curvature "
+        "is a mean under a Hann window of ±0.03 t_f; t_f is the arrival of the front at the finger.",
+        "* **Error bound.** An error can be small by chance, where the errors of a method change sign. The bound is "
+        "the largest error of a run and of all finer runs of its method. The frontier is made of bounds, and of "
+        "methods that converge to the common limit.",
+        f"* **Cost.** The time of the LAMMPS steps alone, on one core: the median of {result['repeats']} repeats taken "
+        f"in turns (load average {low:.1f} to {high:.1f} on {result['processors']} processors; a bar in a chart spans "
+        "all repeats). Findings and ratios use the quickest repeat, because other work on the machine only adds.",
+        "* **Repeat it.** `beadband pareto"
+        + (" --quick" if result["quick"] else "")
+        + "` runs everything again; `pareto.csv` holds every run, `cores.csv` every timing of the cores, and "
+        "`frontier.json` all that this page is made of.",
+    ]
+    for name, front in result["frontier"].items():
+        parts += [
+            f"\n## Frontier of {TITLES[name]}\n",
+            "| method | beads | steps | ms | error | error bound |",
+            "|---|---|---|---|---|---|",
+            *[f"| {full_name(entry)} | {_numbers(entry)} |" for entry in front],
+        ]
+    parts += [
+        "\n## The plan\n",
+        "The last three columns are costs over that of the cheapest run: of any method with the same error bound, of "
+        "the production method with the same error bound, and of any method within the tolerance. They are known "
+        "only in hindsight.\n",
+        "| for | tolerance | error of | beads | steps | ms | error | error bound | any | own | within tolerance |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for entry in result["plan"]:
+        if entry["for"] == "speed" and entry["quantity"] != "speed":
+            continue
+        ratios = [entry[f"cost_over_{of}"] for of in _RATIOS]
+        shown = " | ".join("-" if ratio is None else f"{ratio:.2f}" for ratio in ratios)
+        tolerance = f"{100 * entry['tolerance']:g} %"
+        parts.append(f"| {entry['for']} | {tolerance} | {TITLES[entry['quantity']]} | {_numbers(entry)} | {shown} |")
+    parts += ["\n## Not converging to the common limit\n", "| method | beads | outcome | cause |", "|---|---|---|---|"]
+    parts += [
+        f"| {full_name(entry)} | {', '.join(map(str, entry['beads']))} | {name_of(entry['status'])} | "
+        f"{entry['reason']} |"
+        for entry in result["not_converging"]
+    ]
+    return "\n".join(parts) + "\n"
+
+
+_RATIOS = ("frontier_at_its_error", "production_at_its_error", "frontier_at_tolerance")
+
+
+def _numbers(entry: dict[str, Any]) -> str:
+    return (
+        f"{entry['beads']} | {entry['steps']} | {1e3 * entry['integrate_s']:.2f} | {100 * entry['error']:.3f} % | "
+        f"{100 * entry['sure_error']:.3f} %"
+    )
+
+
+def store(result: Path, docs: Path) -> None:
+    """Keep a result's frontier.json with six digits as docs/pareto.json, the page made of it, and its charts."""
+    text = (result / "frontier.json").read_text(encoding="utf-8")
+    values = json.loads(text, parse_float=lambda number: float(f"{float(number):.6g}"))
+    compact = json.dumps(values, ensure_ascii=False, separators=(",", ":"))
+    (docs / "pareto.json").write_text(compact + "\n", encoding="utf-8")
+    (docs / "pareto.md").write_text(markdown(values), encoding="utf-8")
+    for chart in result.glob("pareto*.png"):
+        shutil.copy(chart, docs)
+
+
+if __name__ == "__main__":
+    store(Path(sys.argv[1]), Path(sys.argv[2]))
