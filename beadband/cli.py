@@ -47,12 +47,14 @@ def build_parser() -> argparse.ArgumentParser:
         title="commands", metavar="COMMAND", dest="command", required=True, parser_class=_Parser
     )
 
-    def command(name: str, text: str, scene: bool = False, folder: bool = False) -> _Parser:
+    def command(name: str, text: str, scene: bool = False, folder: bool = False, folders: str = "") -> _Parser:
         added = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
         added.add_argument("--json", action="store_true", help="print JSON instead of a table")
         added.scene_command = name if scene else ""
         if folder:
             added.add_argument("dir", metavar="DIR", help="folder of a run")
+        if folders:
+            added.add_argument("dir", metavar="DIR", nargs="+", help=f"folders of {folders}")
         added.set_defaults(handler=name)
         return added
 
@@ -63,7 +65,14 @@ def build_parser() -> argparse.ArgumentParser:
     run.add_argument("--out", metavar="DIR", help="new or empty folder for the run (default: named after the scene)")
     run.add_argument("--force", action="store_true", help="start even where the predicted time or disk is absurd")
     command("analyze", "measure a run again, from the files in its folder", folder=True)
-    command("plot", "the pictures of a run", folder=True)
+    plot = command("plot", "the pictures of a run, or of several on the same axes", folders="run")
+    plot.add_argument(
+        "--out", metavar="DIR", help="folder of the pictures (default: that of the run, or comparison for several)"
+    )
+    plot.add_argument("--format", metavar="png|pdf|svg", default="png", help="of the files (default: png)")
+    plot.add_argument("--columns", metavar="1|2", type=int, help="width in columns of a journal (default: a screen's)")
+    compare = command("compare", "runs side by side: what differs, in a table and pictures", folders="two or more runs")
+    compare.add_argument("--out", metavar="DIR", help="new or empty folder of the pictures (default: comparison)")
     report = command("report", "a page that plays a run, with its curves and tables", folder=True)
     report.add_argument("--out", metavar="FILE", help="the page (default: DIR/report.html)")
     movie = command("movie", "a GIF or MP4 of a run", folder=True)

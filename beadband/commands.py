@@ -144,10 +144,36 @@ def analyze(arguments: Namespace) -> int:
 
 
 def plot(arguments: Namespace) -> int:
-    """Draw the pictures of a run into its folder."""
-    from beadband.reporting.pictures import draw_folder
+    """Draw the pictures of a run into its folder, or those of several runs on the same axes."""
+    from beadband.reporting.style import Style
 
-    return _written([str(path) for path in draw_folder(arguments.dir)], arguments.json)
+    style = Style(arguments.format, arguments.columns)
+    if len(arguments.dir) > 1:
+        from beadband.reporting import comparison
+        from beadband.runs import folder
+
+        out = folder.create(arguments.out if arguments.out is not None else folder.next_free("comparison"))
+        drawn = comparison.draw(comparison.compare(arguments.dir), out, style)
+    else:
+        from beadband.reporting.pictures import draw_result
+        from beadband.runs.dispatch import remeasure
+
+        drawn = draw_result(remeasure(arguments.dir[0]), arguments.out or arguments.dir[0], style)
+    return _written([str(path) for path in drawn], arguments.json)
+
+
+def compare(arguments: Namespace) -> int:
+    """Print what differs between runs, and draw them on the same axes."""
+    from beadband.reporting import comparison
+    from beadband.reporting.style import Style
+    from beadband.runs import folder
+
+    found = comparison.compare(arguments.dir)
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("comparison"))
+    comparison.draw(found, out, Style())
+    print(json.dumps(found.as_dict(), indent=1) if arguments.json else comparison.table(found))
+    print(f"pictures in {out}", file=sys.stderr)
+    return 0
 
 
 def report(arguments: Namespace) -> int:

@@ -11,6 +11,7 @@ import numpy as np
 from beadband.analysis.readers import Trajectory
 from beadband.model.launch_string import finger_force_n
 from beadband.reporting.plots import Panels, draw_panels
+from beadband.reporting.style import SCREEN, Style
 from beadband.reporting.summary import title_of
 
 if TYPE_CHECKING:
@@ -20,8 +21,8 @@ _BLUE, _ORANGE, _GREEN, _GREY, _SAND = "#1f5fa8", "#c8601a", "#2c7d4f", "#6b6b6b
 _SNAPSHOTS = 7
 
 
-def draw(done: Launch, ring: Trajectory, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write shapes.png, finger.png, clearance.png, energy.png and overview.png into the folder; return their paths."""
+def draw(done: Launch, ring: Trajectory, folder: str | os.PathLike[str], style: Style = SCREEN) -> list[Path]:
+    """Write pictures of shapes, finger, clearance and energy, and an overview, into the folder; return their paths."""
     scene = done.plan.scene
     title = f"{title_of(scene)}, {done.plan.beads} beads: the finger {scene.finger}"
     panels: Panels = {
@@ -30,7 +31,7 @@ def draw(done: Launch, ring: Trajectory, folder: str | os.PathLike[str]) -> list
         "clearance": lambda axes: clearance(axes, done),
         "energy": lambda axes: energy(axes, done),
     }
-    return draw_panels(panels, title, folder)
+    return draw_panels(panels, title, folder, style)
 
 
 def _pause(axes: Any, done: Launch) -> None:

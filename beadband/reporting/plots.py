@@ -12,6 +12,7 @@ import numpy as np
 from beadband.analysis.readers import Trajectory
 from beadband.model.beam import at_rest_curvature, eq7_curvature
 from beadband.model.scales import SPEED_WINDOW
+from beadband.reporting.style import SCREEN, Style
 from beadband.reporting.summary import title_of
 
 if TYPE_CHECKING:
@@ -24,8 +25,8 @@ Panels = dict[str, Callable[[Any], None]]
 """What draws each picture into its axes, by name."""
 
 
-def draw(run: Run, ring: Trajectory, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write shapes.png, speed.png, curvature.png, energy.png and overview.png into the folder; return their paths."""
+def draw(run: Run, ring: Trajectory, folder: str | os.PathLike[str], style: Style = SCREEN) -> list[Path]:
+    """Write pictures of shapes, speed, curvature and energy, and an overview, into the folder; return their paths."""
     scene = run.plan.scene
     title = f"{title_of(scene)}, {run.plan.beads} beads"
     panels: Panels = {
@@ -34,34 +35,32 @@ def draw(run: Run, ring: Trajectory, folder: str | os.PathLike[str]) -> list[Pat
         "curvature": lambda axes: curvature(axes, run),
         "energy": lambda axes: energy(axes, run),
     }
-    return draw_panels(panels, title, folder)
+    return draw_panels(panels, title, folder, style)
 
 
-def draw_panels(panels: Panels, title: str, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write four panels as pictures of their own, and together as overview.png under the title; return their paths."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
+def draw_panels(
+    panels: Panels, title: str, folder: str | os.PathLike[str], style: Style = SCREEN, overview: str = "overview"
+) -> list[Path]:
+    """Write panels as pictures of their own, and together under the title as an overview; return their paths."""
     written = []
-    for name, panel in panels.items():
-        figure, axes = pyplot.subplots(figsize=(6.4, 4.2), layout="constrained")
-        panel(axes)
-        written.append(_save(figure, Path(folder) / f"{name}.png"))
+    with style.applied() as pyplot:
+        for name, panel in panels.items():
+            figure, axes = pyplot.subplots(figsize=style.size_in(6.4, 4.2), layout="constrained")
+            panel(axes)
+            written.append(style.save(figure, Path(folder) / name))
+            pyplot.close(figure)
+        rows = -(-len(panels) // 2)
+        size = style.size_in(12.0, 4.0 * rows)
+        if style.columns == 1:  # below each other
+            size = size[0], 2.0 * len(panels)
+        figure, grid = pyplot.subplots(*((len(panels), 1) if style.columns == 1 else (rows, 2)), figsize=size,
+                                       layout="constrained", squeeze=False)  # fmt: skip
+        for panel, axes in zip(panels.values(), grid.flat, strict=False):
+            panel(axes)
+        figure.suptitle(title)
+        written.append(style.save(figure, Path(folder) / overview))
         pyplot.close(figure)
-    figure, grid = pyplot.subplots(2, 2, figsize=(12.0, 8.0), layout="constrained")
-    for panel, axes in zip(panels.values(), grid.flat, strict=True):
-        panel(axes)
-    figure.suptitle(title)
-    written.append(_save(figure, Path(folder) / "overview.png"))
-    pyplot.close(figure)
     return written
-
-
-def _save(figure: Any, path: Path) -> Path:
-    figure.savefig(path, dpi=130)
-    return path
 
 
 def shapes(axes: Any, run: Run, ring: Trajectory) -> None:

@@ -265,9 +265,13 @@ class Run(RearRun):
     def versions(self) -> dict[str, str]:
         return versions(self.lammps_version)
 
-    def plot(self, folder: str | Path | None = None) -> list[Path]:
-        """Draw the pictures of the run into a folder (its own, unless another is given); return their paths."""
-        drawn: list[Path] = import_module("beadband.reporting.pictures").draw_result(self, folder or self.folder)
+    def plot(self, folder: str | Path | None = None, *, format: str = "png", columns: int | None = None) -> list[Path]:
+        """Draw the pictures of the run into a folder (its own, unless another is given); return their paths.
+
+        ``format`` is "png", "pdf" or "svg"; ``columns`` 1 or 2 gives them the width of a journal's columns.
+        """
+        pictures, style = (import_module(f"beadband.reporting.{name}") for name in ("pictures", "style"))
+        drawn: list[Path] = pictures.draw_result(self, folder or self.folder, style.Style(format, columns))
         return drawn
 
 
