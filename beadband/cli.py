@@ -109,6 +109,31 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
+def reference() -> str:
+    """The page of all commands, for the documents: what each does and its own options, made of the parser itself."""
+    from beadband import parameters
+
+    (commands,) = (one for one in build_parser()._actions if isinstance(one, argparse._SubParsersAction))
+    lines = [
+        "# Commands",
+        "",
+        "Made by `make docs` from the parser of the command line. `beadband COMMAND --help` prints the same.",
+        "Exit codes: 0 done, 1 failed, 2 wrong usage or a scene that has no answer, 3 a physics check failed.",
+        "Results go to stdout; progress and prose go to stderr. `--json` prints JSON.",
+    ]
+    scene = ", ".join(name for name in commands.choices if parameters.used_by(name))
+    lines += ["", f"The options of a scene, which {scene} take: [parameters](parameters.md)."]
+    for name, parser in commands.choices.items():
+        options = [one for one in parser._actions if one.dest not in ("help", "json")]
+        words = "".join(f" {one.metavar}{' …' if one.nargs else ''}" for one in options if not one.option_strings)
+        lines += ["", f"## beadband {name}{words}{' [scene]' if parameters.used_by(name) else ''}", ""]
+        lines += [f"{str(parser.description)[0].upper()}{str(parser.description)[1:]}.", ""]
+        for one in options:
+            flag = " ".join([*one.option_strings, *([str(one.metavar)] if one.metavar else [])])
+            lines.append(f"* `{flag}`: {one.help % {'default': one.default} if one.help else ''}")
+    return "\n".join(line for line in lines).replace("\n\n\n", "\n\n") + "\n"
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code: 0 done, 1 failed, 2 wrong usage, 3 a physics check failed."""
     parser = build_parser()

@@ -14,7 +14,7 @@ import pytest
 from pages import PAGES, ROOT, blocks
 
 from beadband import parameters
-from beadband.cli import build_parser, main
+from beadband.cli import build_parser, main, reference
 from beadband.lammps.engine import program
 from beadband.model import laws  # noqa: F401  a law adds its constants to the table
 
@@ -33,7 +33,9 @@ def test_commands_and_python_run(page: Path, tmp_path: Path, monkeypatch: pytest
     monkeypatch.chdir(tmp_path)
     for block in blocks(page):
         assert block.language in ("sh", "python", "toml", "text"), block
-        if block.language == "python":
+        if block.file:
+            Path(block.file).write_text(block.text, encoding="utf-8")
+        elif block.language == "python":
             exec(compile(block.text, page.name, "exec"), {"__name__": "block"})
         for line in block.text.splitlines() if block.language == "sh" else ():
             if not line.startswith(tuple(ELSEWHERE)):
@@ -98,3 +100,4 @@ def test_the_reference_pages_are_current(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-m", "beadband.reporting.documents", str(tmp_path)], check=True)
     for path in tmp_path.iterdir():
         assert (ROOT / "docs" / path.name).read_text(encoding="utf-8") == path.read_text(encoding="utf-8"), "make docs"
+    assert (ROOT / "docs" / "commands.md").read_text(encoding="utf-8") == reference(), "make docs"
