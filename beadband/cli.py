@@ -21,18 +21,44 @@ class _Parser(argparse.ArgumentParser):
     scene_command = ""
     takes_grid = False
 
-    def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
+    def add_scene(self) -> None:
+        """Add the options of a scene, if the command takes one."""
         if self.scene_command:
             from beadband import parameters
             from beadband.model import laws  # noqa: F401  a law adds its constants to the table
 
             parameters.add_arguments(self, self.scene_command, self.takes_grid)
             self.scene_command = ""
+
+    def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
+        self.add_scene()
         return super().parse_known_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
         print(f"{self.prog}: {' '.join(message.split())}; see '{self.prog} --help'", file=sys.stderr)
         raise SystemExit(2)
+
+
+class _Completion(argparse.Action):
+    """Print a shell's completion of all commands with all of their options, and exit."""
+
+    def __call__(self, parser, namespace, values, option_string=None):  # type: ignore[no-untyped-def]
+        shells = ("bash", "zsh", "tcsh")
+        if values not in shells:
+            parser.error(f"unknown shell: given {values!r}; allowed: {', '.join(shells)}; change {option_string}")
+        try:
+            import shtab
+        except ImportError:
+            parser.error("completion needs shtab: given none; allowed: shtab; pip install 'beadband[completion]'")
+        for one in _commands(parser).values():
+            one.add_scene()
+        print(shtab.complete(parser, values))
+        parser.exit()
+
+
+def _commands(parser: argparse.ArgumentParser) -> dict[str, _Parser]:
+    (commands,) = (one for one in parser._actions if isinstance(one, argparse._SubParsersAction))
+    return dict(commands.choices)
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -43,6 +69,12 @@ def build_parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"beadband {__version__}")
+    parser.add_argument(
+        "--print-completion",
+        metavar="bash|zsh|tcsh",
+        action=_Completion,
+        help="print a script that completes commands and options in this shell (needs shtab)",
+    )
     commands = parser.add_subparsers(
         title="commands", metavar="COMMAND", dest="command", required=True, parser_class=_Parser
     )
@@ -113,17 +145,17 @@ def reference() -> str:
     """The page of all commands, for the documents: what each does and its own options, made of the parser itself."""
     from beadband import parameters
 
-    (commands,) = (one for one in build_parser()._actions if isinstance(one, argparse._SubParsersAction))
+    commands = _commands(build_parser())
     lines = [
         "# Commands",
         "",
-        "Made by `make docs` from the parser of the command line. `beadband COMMAND --help` prints the same.",
+        "Made by `make docs` from the parser of the command line. Every command prints its part with `--help`.",
         "Exit codes: 0 done, 1 failed, 2 wrong usage or a scene that has no answer, 3 a physics check failed.",
         "Results go to stdout; progress and prose go to stderr. `--json` prints JSON.",
     ]
-    scene = ", ".join(name for name in commands.choices if parameters.used_by(name))
+    scene = ", ".join(name for name in commands if parameters.used_by(name))
     lines += ["", f"The options of a scene, which {scene} take: [parameters](parameters.md)."]
-    for name, parser in commands.choices.items():
+    for name, parser in commands.items():
         options = [one for one in parser._actions if one.dest not in ("help", "json")]
         words = "".join(f" {one.metavar}{' …' if one.nargs else ''}" for one in options if not one.option_strings)
         lines += ["", f"## beadband {name}{words}{' [scene]' if parameters.used_by(name) else ''}", ""]
@@ -131,7 +163,7 @@ def reference() -> str:
         for one in options:
             flag = " ".join([*one.option_strings, *([str(one.metavar)] if one.metavar else [])])
             lines.append(f"* `{flag}`: {one.help % {'default': one.default} if one.help else ''}")
-    return "\n".join(line for line in lines).replace("\n\n\n", "\n\n") + "\n"
+    return "\n".join(lines).replace("\n\n\n", "\n\n") + "\n"
 
 
 def main(argv: Sequence[str] | None = None) -> int:

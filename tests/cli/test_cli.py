@@ -152,3 +152,17 @@ def test_errors_of_inputs_are_refused_where_nothing_is_made_of_them(
 ) -> None:
     assert main([command, "--thickness", "2e-3 +/- 1%"]) == 2
     assert "makes nothing of an error" in capsys.readouterr().err
+
+
+def test_completion_knows_the_options_of_a_scene(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as done:
+        main(["--print-completion", "bash"])
+    assert done.value.code == 0
+    script = capsys.readouterr().out
+    assert "--half-angle" in script
+    assert "launch-map" in script
+    subprocess.run(["bash", "-n"], input=script, text=True, check=True)
+    with pytest.raises(SystemExit) as refused:
+        main(["--print-completion", "fish"])
+    assert refused.value.code == 2
+    assert "bash, zsh, tcsh" in capsys.readouterr().err
