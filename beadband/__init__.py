@@ -11,6 +11,7 @@ _PUBLIC = {
     "run": "api",
     "plan": "api",
     "scene": "api",
+    "fit": "model.fitting",
     "load": "runs.dispatch",
     "analyze": "runs.dispatch",
     "sweep": "studies.sweep",

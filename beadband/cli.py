@@ -96,6 +96,11 @@ def build_parser() -> argparse.ArgumentParser:
     run = command("run", "one release, measured", scene=True)
     run.add_argument("--out", metavar="DIR", help="new or empty folder for the run (default: named after the scene)")
     run.add_argument("--force", action="store_true", help="start even where the predicted time or disk is absurd")
+    fit = command("fit", "constants of every law from a tensile test, with errors and a picture")
+    fit.add_argument("file", metavar="FILE.csv", help="the test: stretch or strain, and the nominal stress")
+    fit.add_argument("--law", metavar="NAME", nargs="+", help="laws to fit (default: all)")
+    fit.add_argument("--strain", metavar="X", type=float, help="strain up to which it matters (default: the test's)")
+    fit.add_argument("--out", metavar="DIR", help="new or empty folder of picture and scene files (default: fit)")
     command("analyze", "measure a run again, from the files in its folder", folder=True)
     plot = command("plot", "the pictures of a run, or of several on the same axes", folders="run")
     plot.add_argument(

@@ -39,9 +39,9 @@ def scene_values(arguments: Namespace) -> dict[str, Any]:
         # What a plan chose for the scene of the file need not suit the one that the flags make of it.
         for key in values.pop("planned", None) or ():
             values.pop(key, None)
-    used = {
-        key: value for key, value in values.items() if key == "planned" or command in parameters.TABLE[key].commands
-    }
+    # What belongs to other values, and is no parameter of its own.
+    attached = ("planned", "covariance")
+    used = {key: value for key, value in values.items() if key in attached or command in parameters.TABLE[key].commands}
     parameters.refuse_unused(
         command, [key for key in values.keys() - used.keys() if values[key] != parameters.TABLE[key].default]
     )
@@ -141,6 +141,20 @@ def analyze(arguments: Namespace) -> int:
     from beadband.runs import dispatch as driver
 
     return _report(driver.analyze(arguments.dir), arguments.json)
+
+
+def fit(arguments: Namespace) -> int:
+    """Fit laws to a tensile test."""
+    from beadband.model.fitting import fit as fitted
+    from beadband.reporting import fit_report
+    from beadband.runs import folder
+
+    found = fitted(arguments.file, arguments.law, arguments.strain)
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("fit"))
+    fit_report.write(found, out)
+    print(json.dumps(found.as_dict(), indent=1) if arguments.json else fit_report.table(found))
+    print(f"picture and scene files in {out}", file=sys.stderr)
+    return 0
 
 
 def plot(arguments: Namespace) -> int:

@@ -343,6 +343,11 @@ def refuse_errors(command: str, values: Mapping[str, Any]) -> None:
     """Refuse numbers with an error where a command makes nothing of it; UsageError that names the first."""
     if command in TABLE["inputs"].commands:
         return
+    if values.get("covariance") is not None:
+        allowed = f"{', '.join(TABLE['inputs'].commands)} take errors"
+        raise UsageError(
+            explain(f"'beadband {command}' makes nothing of an error", "a covariance", allowed, "leave it out")
+        )
     for key, value in values.items():
         for each in value if isinstance(value, (list, tuple)) else (value,):
             if key in TABLE and uncertain(key, each)[1] is not None:

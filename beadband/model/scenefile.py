@@ -72,8 +72,13 @@ def scene_text(scene: Scene) -> str:
             law[key] = values.pop(key)
     if "covariance" in values:
         law["covariance"] = values.pop("covariance")
-    lines = [_lines(values), f"[band]\n{_lines(band)}", f"[law]\n{_lines(law)}"]
+    lines = [_lines(values), f"[band]\n{_lines(band)}", law_text(law)]
     return _HEAD + "\n".join(lines)
+
+
+def law_text(values: Mapping[str, Any]) -> str:
+    """The part of a scene file that is the law, from its values by their keys, ``name`` among them."""
+    return f"[law]\n{_lines(values)}"
 
 
 def _lines(values: Mapping[str, Any]) -> str:

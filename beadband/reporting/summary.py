@@ -185,13 +185,24 @@ def _inputs_text(values: Mapping[str, Any]) -> str | None:
     error, speed = values.get("rebound_speed_input_error_m_s"), values["rebound_speed_m_s"]
     if error is None:
         return None
-    ranked = sorted(values["inputs"], key=lambda one: -one["share"])
-    parts = ", ".join(f"{one['share']:.0%} {one['name']}" for one in ranked if one["share"] >= 0.005)
+    shares = _shares_together(values)
+    parts = ", ".join(f"{share:.0%} {name}" for name, share in sorted(shares.items(), key=lambda one: -one[1])
+                      if share >= 0.005)  # fmt: skip
     numerical = values[observables.error_key("rebound_speed_m_s")]
     drawn = values.get("input_samples")
     more = f"; {drawn['error_m_s']:.2g} m/s over {drawn['draws'] - drawn['refused']} draws" if drawn else ""
     both = math.hypot(error, numerical)
     return f"+/- {error:.2g} m/s ({error / abs(speed):.2g} of V): {parts}{more}; with the numerical one {both:.2g} m/s"
+
+
+def _shares_together(values: Mapping[str, Any]) -> dict[str, float]:
+    """Share of each input in the variance; constants whose errors are correlated count together."""
+    shares: dict[str, float] = {}
+    for one in values["inputs"]:
+        fitted = values["scene"].get("covariance") and TABLE[one["name"].partition("[")[0]].section == "law"
+        name = "constants of the law together" if fitted else one["name"]
+        shares[name] = shares.get(name, 0.0) + one["share"]
+    return shares
 
 
 _SPECIAL: observables.Special = {

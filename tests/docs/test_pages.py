@@ -31,6 +31,8 @@ OWN_TEST = {"extending.md": "test_extending.py, in processes of their own that l
 def test_commands_and_python_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The blocks of a page in order, in one folder."""
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "data").symlink_to(ROOT / "docs" / "data")
     for block in blocks(page):
         assert block.language in ("sh", "python", "toml", "text"), block
         if block.file:
