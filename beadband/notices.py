@@ -161,8 +161,8 @@ SENTENCES: dict[str, str] = {
     "buckled-aside": "the compressed band buckled out of its symmetry: its rear left the axis by up to {value:.3g} m",
     # Fits of laws to a tensile test
     "fit-undetermined": "the test does not determine {name}: its standard error is {value:.2g} of it",
-    "fit-peak": "the tension of this fit peaks at a stretch of {value:.4g}, within the test, which goes to {limit:.4g}: "
-    "scenes held beyond it are refused",
+    "fit-peak": "the tension of this fit peaks at a stretch of {value:.4g}, within the test, which goes to "
+    "{limit:.4g}: scenes held beyond it are refused",
     "fit-poor": "the fit is off by {value:+.1%} of the stress at a stretch of {stretch:.3g}, more than the "
     "{limit:.1%} that noise explains: V goes by the stress there",
     # Methods of the pareto study

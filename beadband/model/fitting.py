@@ -13,7 +13,6 @@ import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -66,9 +65,8 @@ class Fit:
     def label(self) -> str:
         """The law's name, with the number of its terms where it may have several."""
         lists = [value for value in self.law.values().values() if isinstance(value, tuple)]
-        return (
-            self.law.name if not lists else f"{self.law.name}, {len(lists[0])} term{'s' if len(lists[0]) > 1 else ''}"
-        )
+        terms = len(lists[0]) if lists else 0
+        return self.law.name if not terms else f"{self.law.name}, {terms} term{'s' if terms > 1 else ''}"
 
     @property
     def freedom(self) -> int:

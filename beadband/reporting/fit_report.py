@@ -50,8 +50,8 @@ def _scene(one: Fit, found: Fits, path: Path) -> Path:
     head = (
         f"# {one.label}, fitted to {source} up to a stretch of {found.test.stretch[-1]:.4g}.\n"
         "# The covariance is that of the noise of the test: what the law can't describe comes on top.\n"
-        "# Add the band that it is for, as [band] with circumference_m, width_m, thickness_m and density_kg_m3, or give\n"
-        "# its sizes by flags. Without them a run takes those of band III.\n"
+        "# Add the band that it is for, as [band] with circumference_m, width_m, thickness_m and density_kg_m3, or\n"
+        "# give its sizes by flags. Without them a run takes those of band III.\n"
     )
     path.write_text(head + "\n" + law_text(one.scene_values()), encoding="utf-8")
     return path
@@ -75,9 +75,8 @@ def _draw(found: Fits, path: Path, style: Style) -> Path:
         below.axhline(0.0, color="black", linewidth=0.6)
         for axes in (above, below):
             axes.axvline(1.0 + found.strain, color="#999999", linewidth=0.8, linestyle=":")
-        above.set(
-            ylabel="nominal stress (MPa)", ylim=(min(0.0, test.stress_pa.min() / 1e6), 1.1 * test.stress_pa.max() / 1e6)
-        )
+        most, least = 1.1e-6 * float(test.stress_pa.max()), min(0.0, 1e-6 * float(test.stress_pa.min()))
+        above.set(ylabel="nominal stress (MPa)", ylim=(least, most))
         below.set(xlabel="stretch", ylabel="fit over test − 1 (%)", ylim=(-30.0, 30.0))
         above.legend(frameon=False, fontsize=8)
         written = style.save(figure, path)

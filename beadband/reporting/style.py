@@ -54,7 +54,8 @@ class Style:
         if self.columns is not None:
             settings |= {"font.size": 8, "axes.titlesize": 8, "axes.labelsize": 8, "legend.fontsize": 7}
             settings |= {"xtick.labelsize": 7, "ytick.labelsize": 7, "axes.linewidth": 0.6, "lines.linewidth": 1.0}
-        with matplotlib.rc_context(settings):
+        with matplotlib.rc_context():
+            matplotlib.rcParams.update(settings)
             yield pyplot
 
     def save(self, figure: Any, path: Path) -> Path:

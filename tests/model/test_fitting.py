@@ -1,4 +1,4 @@
-"""Constants from a tensile test: exact ones come back, regions hold them as often as they say, and the best law wins."""
+"""Constants from a tensile test: exact ones come back, and regions hold them as often as they say."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from beadband.model.tensile_test import TensileTest
 from beadband.model.uncertainty import inputs_of
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "validation"))
-from fit_coverage import coverage  # noqa: E402
+from fit_coverage import coverage
 
 TRELOAR = Path(__file__).parents[2] / "docs" / "data" / "treloar-1944.csv"
 
