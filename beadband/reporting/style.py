@@ -50,7 +50,7 @@ class Style:
         from matplotlib import pyplot
 
         # Text stays text in vector files; in a column of a journal it is printed at 7 to 8 points.
-        settings: dict[str, Any] = {"pdf.fonttype": 42, "svg.fonttype": "none"}
+        settings: Any = {"pdf.fonttype": 42, "svg.fonttype": "none"}
         if self.columns is not None:
             settings |= {"font.size": 8, "axes.titlesize": 8, "axes.labelsize": 8, "legend.fontsize": 7}
             settings |= {"xtick.labelsize": 7, "ytick.labelsize": 7, "axes.linewidth": 0.6, "lines.linewidth": 1.0}
