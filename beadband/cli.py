@@ -85,7 +85,7 @@ def build_parser() -> argparse.ArgumentParser:
     sweep.add_argument(
         "--random", metavar="N", type=int, help="draw so many scenes from the ranges instead of the grid"
     )
-    sweep.add_argument("--seed", metavar="S", type=int, default=0, help="of the draws (0)")
+    sweep.add_argument("--seed", metavar="S", type=int, help="seed of the draws (with --random; default: 0)")
     launch_map = command("launch-map", "pause and efficiency of launches over strain and half-angle")
     launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")
     launch_map.add_argument("--jobs", metavar="N", type=int, help="processes (default: one per core)")
@@ -118,9 +118,16 @@ def _refuse(unknown: Sequence[str], command: str) -> int:
     from beadband.errors import UsageError, explain
     from beadband.model import laws  # noqa: F401
 
-    flags = [one.partition("=")[0] for one in unknown]
-    parameters.refuse_unused(command, [one.key for one in parameters.TABLE.values() if one.flag in flags])
-    near = parameters.nearest_flags(flags, command)
+    values: dict[str, str] = {}
+    for text in unknown:
+        flag, _, value = text.partition("=")
+        if flag.startswith("--"):
+            values[flag] = value
+        elif values:
+            values[list(values)[-1]] = text
+    known = {one.flag: one.key for one in parameters.TABLE.values()}
+    parameters.refuse_unused(command, {known[flag]: value for flag, value in values.items() if flag in known})
+    near = parameters.nearest_flags(values, command)
     raise UsageError(
         explain("unrecognized arguments", " ".join(unknown), f"the options of 'beadband {command} --help'", near)
     )

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from beadband import parameters
-from beadband.errors import UsageError, explain
+from beadband.errors import RunError, UsageError, explain
 from beadband.model.scene import Scene, scene_of
 
 if TYPE_CHECKING:
@@ -42,8 +42,9 @@ def scene_values(arguments: Namespace) -> dict[str, Any]:
     used = {
         key: value for key, value in values.items() if key == "planned" or command in parameters.TABLE[key].commands
     }
+    unused = {key: value for key, value in values.items() if key not in used}
     parameters.refuse_unused(
-        command, [key for key in values.keys() - used.keys() if values[key] != parameters.TABLE[key].default]
+        command, {key: value for key, value in unused.items() if value != parameters.TABLE[key].default}
     )
     parameters.refuse_errors(command, used | given)
     return used | given
@@ -58,7 +59,7 @@ def bands(arguments: Namespace) -> int:
         rows = band_rows(CATALOGUE.values())
     else:
         path = arguments.file
-        rows = band_rows(scene_of({"band": name, "band_file": path}).band for name in read_bands(path))
+        rows = band_rows(scene_of({"band": name, "band_file": path}).band for name in read_bands(path, "--file"))
     print(json.dumps(rows, indent=1) if arguments.json else tables.bands(rows))
     return 0
 
@@ -96,7 +97,7 @@ def run(arguments: Namespace) -> int:
 
 
 _SAID_BEFORE = ("tolerance-not-expected", "speed-needs-more-beads", "frames-adjusted", "unusual-size")
-"""Warnings of a plan that a user wants to read before the time is spent, not after."""
+"""Warnings of a plan that a user wants to read before the run, not after it."""
 
 
 def _announce(planned: Plan | LaunchPlan) -> None:
@@ -200,14 +201,22 @@ def sweep(arguments: Namespace) -> int:
     from beadband.studies import sweep as sweeping
     from beadband.studies.sweep.grid import grid_of, read_grid
 
+    if arguments.seed is not None and arguments.random is None:
+        wrong = "--seed is not used without --random: the grid has no draws"
+        raise UsageError(explain(wrong, f"--seed {arguments.seed}", "--seed with --random", "leave it out"))
     values = read_grid(arguments.grid) if arguments.grid is not None else {}
-    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed)
+    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed or 0)
     out = arguments.out if arguments.out is not None else "sweep"
     with _bar("scene") as follow:
         done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)
     if world().rank == 0:
         print(json.dumps(done.summary, indent=1) if arguments.json else tables.sweep(done.summary))
         print(f"table, summary and pictures in {out}", file=sys.stderr)
+        if "done" not in done.summary["status"]:
+            reasons = done.summary["without_result"].values()
+            first = next((each["first"] for each in reasons), "the grid holds no scene")
+            refused = "failed" not in done.summary["status"]
+            raise (UsageError if refused else RunError)(f"no scene of the sweep has a result; the first: {first}")
     return 0
 
 

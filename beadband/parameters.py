@@ -21,6 +21,8 @@ COMMANDS = ("plan", "run", "sweep", "pareto")
 """Commands that take a scene."""
 _RUNS = ("plan", "run")
 _PLANNED = ("plan", "run", "sweep")
+UNUSED = "unused-parameter"
+"""Code of the error for a parameter that was given and that nothing uses."""
 FEWEST_BEADS = 24
 """Beads of a ring below which it can't be wrapped around its finger."""
 MOST_STEPS = 2_000_000_000
@@ -85,16 +87,16 @@ class Parameter:
             return "a name" if self.kind == "name" else "a file"
         if self.kind == "word":
             return ", ".join(words(self.key))
+        unit = f" {self.unit}" if self.unit else ""
         ends = [
-            *([f"above {self.above:g}"] if math.isfinite(self.above) else []),
-            *([f"{self.least:.12g} or more"] if math.isfinite(self.least) and not math.isfinite(self.most) else []),
-            *([f"below {self.below:g}"] if math.isfinite(self.below) else []),
+            *([f"above {self.above:g}{unit}"] if math.isfinite(self.above) else []),
+            *([f"{self.least:.12g}{unit} or more"] if self.least > -math.inf and self.most == math.inf else []),
+            *([f"below {self.below:g}{unit}"] if math.isfinite(self.below) else []),
         ]
         if math.isfinite(self.least) and math.isfinite(self.most):
-            ends.append(f"{self.least:.12g} to {self.most:.12g}")
+            ends.append(f"{self.least:.12g} to {self.most:.12g}{unit}")
         noun = "a whole number" if self.kind == "count" else "a finite number"
-        joint = ", " if self.kind == "count" and ends else " " if ends else ""
-        return f"{noun}{joint}{' and '.join(ends)}" + (f" {self.unit}" if self.unit and ends else "")
+        return f"{noun}{', ' if ends else ''}{' and '.join(ends)}"
 
     def holds(self, value: float) -> bool:
         """Whether a number lies in the range; NaN does not."""
@@ -273,11 +275,11 @@ def checked(key: str, value: Any, one: Parameter | None = None) -> Any:
         return value
     if one.kind in ("word", "name"):
         if not isinstance(value, str) or (one.kind == "word" and value not in words(key)):
-            raise UsageError(explain(f"unknown {one.option}", repr(value), one.allowed, f"change {one.flag}"))
+            raise UsageError(explain(f"unknown value of {one.flag}", repr(value), one.allowed, f"change {one.flag}"))
         return value
     if one.kind == "path":
         if not isinstance(value, (str, os.PathLike)) or not os.fspath(value):
-            raise UsageError(explain(f"{one.option} is no file", repr(value), one.allowed, f"change {one.flag}"))
+            raise UsageError(explain(f"{one.flag} names no file", repr(value), one.allowed, f"change {one.flag}"))
         return os.fspath(value)
     if isinstance(value, (list, tuple)):
         many = one.kind == "numbers"
@@ -324,18 +326,19 @@ def used_by(command: str) -> list[Parameter]:
     return [one for one in TABLE.values() if command in one.commands and one.section != "record"]
 
 
-def refuse_unused(command: str, keys: Iterable[str]) -> None:
+def refuse_unused(command: str, given: Mapping[str, Any]) -> None:
     """Refuse what a command does not use; UsageError that names it."""
-    for key in keys:
+    for key, value in given.items():
         one = TABLE.get(key)
         if one is not None and command not in one.commands:
             raise UsageError(
                 explain(
                     f"{one.flag} is not used by 'beadband {command}'",
-                    one.flag,
-                    ", ".join(each.flag for each in used_by(command)),
+                    f"{one.flag} {value}",
+                    f"{one.flag} with {', '.join(one.commands)}",
                     "leave it out",
-                )
+                ),
+                UNUSED,
             )
 
 
@@ -349,7 +352,7 @@ def refuse_errors(command: str, values: Mapping[str, Any]) -> None:
                 flag, allowed = TABLE[key].flag, f"{', '.join(TABLE['inputs'].commands)} take errors"
                 raise UsageError(
                     explain(
-                        f"'beadband {command}' makes nothing of an error", f"{flag} {each}", allowed, "leave it out"
+                        f"'beadband {command}' does not use errors of inputs", f"{flag} {each}", allowed, "leave it out"
                     )
                 )
 

@@ -208,8 +208,8 @@ def with_auto_tolerance(scene: Scene) -> Scene:
     if error is None or not error > 0.0:
         raise UsageError(
             explain(
-                "a tolerance of auto needs inputs with errors",
-                "none",
+                "a tolerance of auto needs inputs whose errors change V",
+                "none" if error is None else "only errors that do not change the string limit of V",
                 "a value with +/- on some input, or --inputs as-printed",
                 "give errors, or a tolerance as a number",
             )

@@ -221,10 +221,11 @@ def sweep(summary: dict[str, Any]) -> str:
     lines = [f"{summary['scenes']} scenes: " + ", ".join(f"{count} {name}" for name, count in sorted(status.items()))]
     if run["released"]:
         where = f"with {run['jobs']} jobs" if run["jobs"] else "on the given executor"
-        lines.append(
-            f"  {run['released']} released in {run['wall_s']:.1f} s, {run['scenes_per_s']:.0f} a second {where}; "
-            f"{run['lammps_share'] or 0.0:.0%} of the work inside LAMMPS"
-        )
+        inside = f"; {run['lammps_share']:.0%} of the work inside LAMMPS" if run["lammps_share"] else ""
+        rate = f"{run['scenes_per_s']:.{0 if run['scenes_per_s'] >= 10.0 else 1}f} a second"
+        lines.append(f"  {run['released']} new scenes in {run['wall_s']:.1f} s, {rate} {where}{inside}")
+    for code, found in summary["without_result"].items():
+        lines.append(f"  no result for {found['scenes']} ({code}), the first: {found['first']}")
     if summary["relative_error"]:
         error = summary["relative_error"]
         lines.append(
