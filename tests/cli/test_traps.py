@@ -70,7 +70,7 @@ def refusal(capsys: Capture, command: str) -> str:
         ("sweep --strain 0.3 --frames 10", ["--frames is not used by 'beadband sweep': given --frames 10"]),
         ("sweep --strain 0.3 --seed 3", ["--seed is not used without --random"]),
         ("plan --bending-scale 0 --bending-modulus rest", ["--bending-modulus is not used without bending"]),
-        ("plan --law linear --c10 187000", ["--c10 is not used by the law linear: given --c10 184800"]),
+        ("plan --law linear --c10 187000", ["--c10 is not used by the law linear: given --c10 187000"]),
         ("plan --softening-r 1.5", ["the softening lacks a constant: given r 1.5;"]),
         ("bands --file none.toml", ["check --file"]),
         ("report nodir", ["not the folder of a run: given 'nodir' without results.json"]),
