@@ -9,7 +9,7 @@ import numpy as np
 
 from beadband.model.scene import scene_of
 from beadband.model.validity import validity_notices
-from beadband.planning.plan import plan_of
+from beadband.planning.plan import LOSS_BEADS, plan_of
 from beadband.runs.rear_run import follow_rear, hold
 from beadband.studies.stability import ring_trials as rings
 from beadband.studies.stability import trials
@@ -118,7 +118,8 @@ def much_loss(quick: bool) -> Entry:
             f"The larger loss takes {steps[-1] / steps[0]:.0f} times the steps.",
         ),
         (
-            "The planned loss is a fifth of the front's time from bead to bead; --loss-time is taken as physics.",
+            f"The planned loss time is {LOSS_BEADS:g} of the front's time from bead to bead; --loss-time is taken as "
+            "physics.",
             finding(
                 warned[-1] and not warned[0],
                 "The largest loss carries a warning, the least none.",

@@ -192,7 +192,7 @@ def drift(quick: bool) -> Entry:
                 f"error is {error:.0e}).",
             ),
         ),
-        ("A release takes some thousand steps, and the balance of energy is checked after every run, to 2 %.",),
+        ("A release takes some thousand steps, and the balance of energy is checked after every run.",),
         {"steps": float(steps), "swing": swing, "change_of_mean": change},
         Picture(
             "energy of a ring of 12 beads",

@@ -10,6 +10,7 @@ import numpy as np
 from beadband.model.angle_forms import QUARTIC
 from beadband.model.scene import scene_of
 from beadband.model.validity import SHARPEST, validity_notices
+from beadband.planning.error_curves import CURVATURE_SPACING
 from beadband.planning.plan import Plan, plan_of
 from beadband.runs.rear_run import follow_rear, hold
 from beadband.statics.ring import WRAPPED, Ring
@@ -212,7 +213,7 @@ def few_beads(quick: bool) -> Entry:
             f"V of the fewest beads is off by {abs(speeds[0] / speeds[-1] - 1.0):.1%}.",
         ),
         (
-            "A plan for the curvature puts beads closer than 0.6 of the layer.",
+            f"A plan for the curvature puts beads closer than {CURVATURE_SPACING:g} of the layer.",
             finding(
                 coarse.unresolved_curvature and carries(coarse.warnings, "unresolved-layer"),
                 f"With --beads {counts[0]} no curvature is reported, and a warning says why.",
