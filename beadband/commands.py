@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 _LONGEST_S = 600.0
 _MOST_BYTES = 2e9
-"""Predicted time and disk from which on a run starts only with --force."""
+"""Predicted time and disk space above which a run starts only with --force."""
 _WORTH_SAYING_S = 5.0
 _WORTH_SAYING_BYTES = 2e8
-"""Predicted time and disk from which on they are printed before the start, not only with the results."""
+"""Predicted time and disk space above which they are printed before the start, not only with the results."""
 
 
 def scene_values(arguments: Namespace) -> dict[str, Any]:
@@ -101,7 +101,7 @@ _SAID_BEFORE = ("tolerance-not-expected", "speed-needs-more-beads", "frames-adju
 
 
 def _announce(planned: Plan | LaunchPlan) -> None:
-    """Predicted time and disk of a run that takes a while, on stderr, and what the plan warns of."""
+    """Print the predicted time and disk space of a long run and the warnings of its plan to stderr."""
     if planned.seconds > _WORTH_SAYING_S or planned.disk_bytes > _WORTH_SAYING_BYTES:
         print(f"predicted: {_duration(planned.seconds)}, {planned.disk_bytes / 1e6:.2g} MB on disk", file=sys.stderr)
     for one in planned.warnings:
@@ -112,7 +112,7 @@ def _announce(planned: Plan | LaunchPlan) -> None:
 def _refuse_absurd(planned: Plan | LaunchPlan, frames: int | None, force: bool) -> None:
     """UsageError, without --force, for a run predicted to take too long or, with all frames asked for, too much disk.
 
-    The plan may write fewer frames, one for each step at most: who asks for so many should know before the start.
+    The plan may write fewer frames, one for each step at most; the request is refused before anything starts.
     """
     from beadband.planning import error_curves
 
@@ -120,7 +120,7 @@ def _refuse_absurd(planned: Plan | LaunchPlan, frames: int | None, force: bool) 
     if (seconds > _LONGEST_S or size > _MOST_BYTES) and not force:
         raise UsageError(
             explain(
-                "the run is predicted to take too long or too much disk",
+                "the run is predicted to take too long or too much disk space",
                 f"{_duration(seconds)} and {size / 1e9:.2g} GB for {planned.steps} steps of {planned.beads} beads"
                 + (f" and {frames} frames" if frames else ""),
                 f"{_duration(_LONGEST_S)} and {_MOST_BYTES / 1e9:g} GB",
@@ -168,7 +168,7 @@ def movie(arguments: Namespace) -> int:
 
 
 def verify(arguments: Namespace) -> int:
-    """Climb the ladder of checks."""
+    """Make the checks against exact answers."""
     from beadband.studies import verification
     from beadband.studies.verification import report
 
@@ -300,7 +300,7 @@ def _written(paths: list[str], as_json: bool) -> int:
 
 
 def _report(done: Run, as_json: bool) -> int:
-    """Print a finished run and what it does not keep of physics; return the exit code."""
+    """Print a finished run and the physics checks that it fails; return the exit code."""
     from beadband.reporting import summary as tables
     from beadband.runs.results import to_json
 
@@ -311,7 +311,7 @@ def _report(done: Run, as_json: bool) -> int:
 
 
 class _Progress:
-    """A line on the terminal that says how far the work is, once it takes long enough to wonder."""
+    """A line on the terminal that shows the progress of long work."""
 
     def __init__(self, unit: str) -> None:
         self.unit = unit

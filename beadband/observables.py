@@ -4,7 +4,7 @@ Each :class:`Observable` has a key of results.json, a unit, a sentence, and wher
 results.json and its JSON Schema, the columns of sweeps, the rows that a person reads and the dictionary of the
 documents, which :mod:`beadband.reporting.documents` writes.
 
-A result of one's own is added in one place, and then stands in all of them::
+Your own result is added in one place and then appears in all of them::
 
     from beadband.observables import observable
 
@@ -265,7 +265,7 @@ def register(one: Observable) -> Observable:
 def observable(
     key: str, sentence: str, unit: str = "", level: str = "rear", error: bool = False, label: str | None = None
 ) -> Callable[[Callable[[Any], Any]], Callable[[Any], Any]]:
-    """Add a scalar of one's own: a function of the result that gives a number, None, or a value with its error.
+    """Add a scalar of your own: a function of the result that gives a number, None, or a value with its error.
 
     What a rear alone gives (``level="rear"``) has a column in sweeps, named like the key.
     """
@@ -424,7 +424,7 @@ def as_markdown() -> str:
             ", ".join(f"`{each}`" for each in _names(one, of)) if of else ""
             for of in (one.key, one.column if one.level == "rear" else "")
         )
-        remark = " (null where there is none)" if one.null else ""
-        remark = remark or (" (where there is none, left out)" if one.optional else "")
+        remark = " (may be null)" if one.null else ""
+        remark = remark or (" (left out where there is none)" if one.optional else "")
         lines.append(f"| {name} | {one.unit} | {one.sentence}{remark} | {column} |")
     return "\n".join(lines) + "\n"

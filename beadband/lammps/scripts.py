@@ -88,7 +88,7 @@ def with_variables(name: str, variables: Mapping[str, int | float | str]) -> str
 
 @cache
 def script_text(name: str) -> str:
-    """A script of :mod:`beadband.lmp_inputs`, as it comes."""
+    """The text of a script of :mod:`beadband.lmp_inputs`."""
     return files("beadband.lmp_inputs").joinpath(name).read_text(encoding="utf-8")
 
 

@@ -181,7 +181,7 @@ def _shares_text(values: Mapping[str, Any]) -> str | None:
 
 
 def _inputs_text(values: Mapping[str, Any]) -> str | None:
-    """What the inputs' errors cost, the largest shares first, beside the numerical error."""
+    """The error of V from the inputs, the largest shares first, next to the numerical error."""
     error, speed = values.get("rebound_speed_input_error_m_s"), values["rebound_speed_m_s"]
     if error is None:
         return None

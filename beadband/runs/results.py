@@ -242,7 +242,7 @@ class Run(RearRun):
 
     @property
     def held_radius_m(self) -> float:
-        """Radius of the finger as the held beads feel it."""
+        """Radius of the circle on which the held beads lie."""
         return self.held.finger_radius_m
 
     @cached_property

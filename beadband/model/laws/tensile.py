@@ -229,7 +229,7 @@ class Unloading(Law):
 
 
 def _stamp(path: str) -> tuple[int, int] | None:
-    """By which a file that has changed is told from the one that was read."""
+    """Its hash, by which a changed file is recognised."""
     try:
         found = os.stat(path)
     except (OSError, ValueError):

@@ -60,7 +60,7 @@ def no_loss(quick: bool) -> Entry:
             finding(
                 abs(error) > 0.004,
                 f"V is off by {error:+.2%}: the limit of beads without loss is not the band.",
-                f"V is off by {error:+.2%} alone.",
+                f"V is off by only {error:+.2%}.",
             ),
         ),
         (
@@ -144,7 +144,7 @@ def much_loss(quick: bool) -> Entry:
 
 
 def rebound(quick: bool) -> Entry:
-    """A strand that rebounds on its held end is pressed, and buckles."""
+    """A strand that rebounds on its held end is compressed, and buckles."""
     strand = strand_of("III", "linear", 1e-3)
     count, strain = 41, 0.3
     line = np.zeros((count, 2))

@@ -55,7 +55,7 @@ def step_limit(quick: bool) -> Entry:
                 kept[1.1] < 1.0,
                 f"At 1.1 it grows without bound, and bonds leave their table after {kept[1.1]:.0%} of the run. The "
                 "growth alternates from bead to bead and from step to step.",
-                "At 1.1 the run reaches its end all the same.",
+                "At 1.1 the run still reaches its end.",
             ),
         ),
         (

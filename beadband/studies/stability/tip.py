@@ -203,7 +203,7 @@ def few_beads(quick: bool) -> Entry:
                 f"With {counts[0]} beads the spacing is {spacings[0]:.1f} of that, and the tip curvature at 0.1 t_f is "
                 f"off by {errors[0]:.0%}.",
                 f"With {counts[0]} beads the spacing is {spacings[0]:.1f} of that, yet the tip curvature at 0.1 t_f is "
-                f"off by {errors[0]:.1%} alone.",
+                f"off by only {errors[0]:.1%}.",
             ),
             finding(
                 errors[-1] < 0.03,
@@ -238,7 +238,7 @@ def few_beads(quick: bool) -> Entry:
 
 
 def sharp_bend(quick: bool) -> Entry:
-    """A curvature that beam theory does not bear."""
+    """A curvature for which beam theory does not hold."""
     thicknesses = np.array([0.5e-3, 1e-3, 2e-3, 4e-3])
     strains = (0.05, 0.2, 0.476, 1.0)
     predicted, measured, warned = [], [], []
