@@ -17,7 +17,6 @@ Results are read by the names of their attributes; this module imports nothing o
 
 from __future__ import annotations
 
-import html
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -370,7 +369,9 @@ def as_html(result: Any) -> str:
     """A result as a table, for notebooks."""
     values = as_dict(result)
     listed = [*rows(values), *(("note", sentence) for sentence in values["warnings"])]
-    body = "".join(f"<tr><td>{html.escape(name)}</td><td>{html.escape(text)}</td></tr>" for name, text in listed)
+    from html import escape
+
+    body = "".join(f"<tr><td>{escape(name)}</td><td>{escape(text)}</td></tr>" for name, text in listed)
     return f"<table>{body}</table>"
 
 

@@ -240,13 +240,3 @@ def estimated_error(scene: Scene) -> float | None:
     }
     found = elasticities(bare, inputs.names, had, 0.5)
     return math.sqrt(max(float(found @ inputs.relative_covariance @ found), 0.0))
-
-
-def values_with_errors(scene: Scene) -> dict[str, Any]:
-    """Values of a scene by their keys, as scene files have them: a table of value and error where there is one."""
-    values = scene.as_dict()
-    for key, error in scene.errors:
-        values[key] = {"value": values[key], "error": error}
-    if scene.covariance:
-        values["covariance"] = [list(row) for row in scene.covariance]
-    return values
