@@ -6,7 +6,6 @@ Nothing heavy is imported before a command needs it.
 from __future__ import annotations
 
 import argparse
-import gc
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -103,8 +102,6 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code: 0 done, 1 failed, 2 wrong usage, 3 a physics check failed."""
-    # Importing makes many objects and no garbage: collect less often than the default, which costs 3 % of a short run.
-    gc.set_threshold(50_000)
     parser = build_parser()
     try:
         arguments, unknown = parser.parse_known_args(argv)
