@@ -91,11 +91,11 @@ def build_parser() -> argparse.ArgumentParser:
         return added
 
     bands = command("bands", "the catalogue of bands, with what is derived from it")
-    bands.add_argument("--file", metavar="FILE.toml", help="bands of one's own instead of the catalogue")
+    bands.add_argument("--file", metavar="FILE.toml", help="your own bands instead of the catalogue")
     command("plan", "what a scene needs, and why", scene=True)
     run = command("run", "one release, measured", scene=True)
     run.add_argument("--out", metavar="DIR", help="new or empty folder for the run (default: named after the scene)")
-    run.add_argument("--force", action="store_true", help="start even where the predicted time or disk is absurd")
+    run.add_argument("--force", action="store_true", help="start even if the predicted time or disk space is too large")
     fit = command("fit", "constants of every law from a tensile test, with errors and a picture")
     fit.add_argument("file", metavar="FILE.csv", help="the test: stretch or strain, and the nominal stress")
     fit.add_argument("--law", metavar="NAME", nargs="+", help="laws to fit (default: all)")
@@ -125,13 +125,13 @@ def build_parser() -> argparse.ArgumentParser:
     sweep = command("sweep", "a grid of scenes, or random ones, in one table", scene=True)
     sweep.takes_grid = True
     sweep.add_argument(
-        "--out", metavar="DIR", help="folder of the table; a killed sweep goes on there (default: sweep)"
+        "--out", metavar="DIR", help="folder of the table; a killed sweep continues there (default: sweep)"
     )
     sweep.add_argument("--jobs", metavar="N", type=int, help="processes (default: one per core)")
     sweep.add_argument(
-        "--random", metavar="N", type=int, help="draw so many scenes from the ranges instead of the grid"
+        "--random", metavar="N", type=int, help="draw N scenes from the ranges instead of the whole grid"
     )
-    sweep.add_argument("--seed", metavar="S", type=int, default=0, help="of the draws (0)")
+    sweep.add_argument("--seed", metavar="S", type=int, help="seed of the draws (with --random; default: 0)")
     launch_map = command("launch-map", "pause and efficiency of launches over strain and half-angle")
     launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")
     launch_map.add_argument("--jobs", metavar="N", type=int, help="processes (default: one per core)")
@@ -184,14 +184,21 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _refuse(unknown: Sequence[str], command: str) -> int:
-    """Say of options that a command does not know whether another one does; raises UsageError."""
+    """Refuse unknown options, with the commands that know them; raises UsageError."""
     from beadband import parameters
     from beadband.errors import UsageError, explain
     from beadband.model import laws  # noqa: F401
 
-    flags = [one.partition("=")[0] for one in unknown]
-    parameters.refuse_unused(command, [one.key for one in parameters.TABLE.values() if one.flag in flags])
-    near = parameters.nearest_flags(flags, command)
+    values: dict[str, str] = {}
+    for text in unknown:
+        flag, _, value = text.partition("=")
+        if flag.startswith("--"):
+            values[flag] = value
+        elif values:
+            values[list(values)[-1]] = text
+    known = {one.flag: one.key for one in parameters.TABLE.values()}
+    parameters.refuse_unused(command, {known[flag]: value for flag, value in values.items() if flag in known})
+    near = parameters.nearest_flags(values, command)
     raise UsageError(
         explain("unrecognized arguments", " ".join(unknown), f"the options of 'beadband {command} --help'", near)
     )
@@ -221,7 +228,7 @@ def _guarded(action: Callable[[], int], name: str) -> int:
     except BeadbandError as error:
         return _report(name, str(error), error.exit_code)
     except KeyboardInterrupt:
-        return _report(name, "interrupted; what was not finished has no results.json", 1)
+        return _report(name, "interrupted; an unfinished run has no results.json", 1)
     except BrokenPipeError:
         # The reader of our output has gone; keep Python from complaining when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -229,7 +236,7 @@ def _guarded(action: Callable[[], int], name: str) -> int:
     except MemoryError:
         return _report(name, "out of memory; use fewer --beads or --frames", 1)
     except OSError as error:
-        return _report(name, f"the system refused: {error}; check disk and permissions", 1)
+        return _report(name, f"a file could not be used: {error}; check the disk and permissions", 1)
     except Exception as error:
         if os.environ.get("BEADBAND_DEBUG"):
             raise

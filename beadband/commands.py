@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from beadband import parameters
-from beadband.errors import UsageError, explain
+from beadband.errors import RunError, UsageError, explain
 from beadband.model.scene import Scene, scene_of
 
 if TYPE_CHECKING:
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 _LONGEST_S = 600.0
 _MOST_BYTES = 2e9
-"""Predicted time and disk from which on a run starts only with --force."""
+"""Predicted time and disk space above which a run starts only with --force."""
 _WORTH_SAYING_S = 5.0
 _WORTH_SAYING_BYTES = 2e8
-"""Predicted time and disk from which on they are printed before the start, not only with the results."""
+"""Predicted time and disk space above which they are printed before the start, not only with the results."""
 
 
 def scene_values(arguments: Namespace) -> dict[str, Any]:
@@ -42,8 +42,9 @@ def scene_values(arguments: Namespace) -> dict[str, Any]:
     # What belongs to other values, and is no parameter of its own.
     attached = ("planned", "covariance")
     used = {key: value for key, value in values.items() if key in attached or command in parameters.TABLE[key].commands}
+    unused = {key: value for key, value in values.items() if key not in used}
     parameters.refuse_unused(
-        command, [key for key in values.keys() - used.keys() if values[key] != parameters.TABLE[key].default]
+        command, {key: value for key, value in unused.items() if value != parameters.TABLE[key].default}
     )
     parameters.refuse_errors(command, used | given)
     return used | given
@@ -58,7 +59,7 @@ def bands(arguments: Namespace) -> int:
         rows = band_rows(CATALOGUE.values())
     else:
         path = arguments.file
-        rows = band_rows(scene_of({"band": name, "band_file": path}).band for name in read_bands(path))
+        rows = band_rows(scene_of({"band": name, "band_file": path}).band for name in read_bands(path, "--file"))
     print(json.dumps(rows, indent=1) if arguments.json else tables.bands(rows))
     return 0
 
@@ -96,11 +97,11 @@ def run(arguments: Namespace) -> int:
 
 
 _SAID_BEFORE = ("tolerance-not-expected", "speed-needs-more-beads", "frames-adjusted", "unusual-size")
-"""Warnings of a plan that a user wants to read before the time is spent, not after."""
+"""Warnings of a plan that a user wants to read before the run, not after it."""
 
 
 def _announce(planned: Plan | LaunchPlan) -> None:
-    """Predicted time and disk of a run that takes a while, on stderr, and what the plan warns of."""
+    """Print the predicted time and disk space of a long run and the warnings of its plan to stderr."""
     if planned.seconds > _WORTH_SAYING_S or planned.disk_bytes > _WORTH_SAYING_BYTES:
         print(f"predicted: {_duration(planned.seconds)}, {planned.disk_bytes / 1e6:.2g} MB on disk", file=sys.stderr)
     for one in planned.warnings:
@@ -111,7 +112,7 @@ def _announce(planned: Plan | LaunchPlan) -> None:
 def _refuse_absurd(planned: Plan | LaunchPlan, frames: int | None, force: bool) -> None:
     """UsageError, without --force, for a run predicted to take too long or, with all frames asked for, too much disk.
 
-    The plan may write fewer frames, one for each step at most: who asks for so many should know before the start.
+    The plan may write fewer frames, one for each step at most; the request is refused before anything starts.
     """
     from beadband.planning import error_curves
 
@@ -119,7 +120,7 @@ def _refuse_absurd(planned: Plan | LaunchPlan, frames: int | None, force: bool) 
     if (seconds > _LONGEST_S or size > _MOST_BYTES) and not force:
         raise UsageError(
             explain(
-                "the run is predicted to take too long or too much disk",
+                "the run is predicted to take too long or too much disk space",
                 f"{_duration(seconds)} and {size / 1e9:.2g} GB for {planned.steps} steps of {planned.beads} beads"
                 + (f" and {frames} frames" if frames else ""),
                 f"{_duration(_LONGEST_S)} and {_MOST_BYTES / 1e9:g} GB",
@@ -207,7 +208,7 @@ def movie(arguments: Namespace) -> int:
 
 
 def verify(arguments: Namespace) -> int:
-    """Climb the ladder of checks."""
+    """Make the checks against exact answers."""
     from beadband.studies import verification
     from beadband.studies.verification import report
 
@@ -240,14 +241,22 @@ def sweep(arguments: Namespace) -> int:
     from beadband.studies import sweep as sweeping
     from beadband.studies.sweep.grid import grid_of, read_grid
 
+    if arguments.seed is not None and arguments.random is None:
+        wrong = "--seed is not used without --random: the grid has no draws"
+        raise UsageError(explain(wrong, f"--seed {arguments.seed}", "--seed with --random", "leave it out"))
     values = read_grid(arguments.grid) if arguments.grid is not None else {}
-    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed)
+    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed or 0)
     out = arguments.out if arguments.out is not None else "sweep"
     with _bar("scene") as follow:
         done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)
     if world().rank == 0:
         print(json.dumps(done.summary, indent=1) if arguments.json else tables.sweep(done.summary))
         print(f"table, summary and pictures in {out}", file=sys.stderr)
+        if "done" not in done.summary["status"]:
+            reasons = done.summary["without_result"].values()
+            first = next((each["first"] for each in reasons), "the grid holds no scene")
+            refused = "failed" not in done.summary["status"]
+            raise (UsageError if refused else RunError)(f"no scene of the sweep has a result; the first: {first}")
     return 0
 
 
@@ -331,7 +340,7 @@ def _written(paths: list[str], as_json: bool) -> int:
 
 
 def _report(done: Run, as_json: bool) -> int:
-    """Print a finished run and what it does not keep of physics; return the exit code."""
+    """Print a finished run and the physics checks that it fails; return the exit code."""
     from beadband.reporting import summary as tables
     from beadband.runs.results import to_json
 
@@ -342,7 +351,7 @@ def _report(done: Run, as_json: bool) -> int:
 
 
 class _Progress:
-    """A line on the terminal that says how far the work is, once it takes long enough to wonder."""
+    """A line on the terminal that shows the progress of long work."""
 
     def __init__(self, unit: str) -> None:
         self.unit = unit

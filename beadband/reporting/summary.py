@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from beadband import observables
 from beadband.analysis.fits import Measured
 from beadband.model.scene import Scene
 from beadband.notices import percent, sentences
 from beadband.parameters import TABLE
-from beadband.planning.launch_plan import LaunchPlan
 from beadband.planning.plan import Plan
 from beadband.runs.results import Run
+
+if TYPE_CHECKING:
+    from beadband.planning.launch_plan import LaunchPlan
 
 # key of the row, heading, unit, factor from SI, format
 _BAND_COLUMNS: tuple[tuple[str, str, str, float, str], ...] = (
@@ -181,7 +183,7 @@ def _shares_text(values: Mapping[str, Any]) -> str | None:
 
 
 def _inputs_text(values: Mapping[str, Any]) -> str | None:
-    """What the inputs' errors cost, the largest shares first, beside the numerical error."""
+    """The error of V from the inputs, the largest shares first, next to the numerical error."""
     error, speed = values.get("rebound_speed_input_error_m_s"), values["rebound_speed_m_s"]
     if error is None:
         return None
@@ -232,10 +234,11 @@ def sweep(summary: dict[str, Any]) -> str:
     lines = [f"{summary['scenes']} scenes: " + ", ".join(f"{count} {name}" for name, count in sorted(status.items()))]
     if run["released"]:
         where = f"with {run['jobs']} jobs" if run["jobs"] else "on the given executor"
-        lines.append(
-            f"  {run['released']} released in {run['wall_s']:.1f} s, {run['scenes_per_s']:.0f} a second {where}; "
-            f"{run['lammps_share'] or 0.0:.0%} of the work inside LAMMPS"
-        )
+        inside = f"; {run['lammps_share']:.0%} of the work inside LAMMPS" if run["lammps_share"] else ""
+        rate = f"{run['scenes_per_s']:.{0 if run['scenes_per_s'] >= 10.0 else 1}f} a second"
+        lines.append(f"  {run['released']} new scenes in {run['wall_s']:.1f} s, {rate} {where}{inside}")
+    for code, found in summary["without_result"].items():
+        lines.append(f"  no result for {found['scenes']} ({code}), the first: {found['first']}")
     if summary["relative_error"]:
         error = summary["relative_error"]
         lines.append(

