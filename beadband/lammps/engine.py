@@ -93,6 +93,7 @@ class Session:
         )
         self.folder = Path(self._place.name)
         self._instance: Any = None
+        self._kept: tuple[str, dict[Any, int]] | None = None
         self.runs_s = 0.0
         """Seconds spent inside LAMMPS."""
 
@@ -113,6 +114,7 @@ class Session:
         self._place.cleanup()
 
     def _drop(self) -> None:
+        self._kept = None
         if self._instance is not None:
             self._instance.close()
             self._instance = None
@@ -122,6 +124,30 @@ class Session:
 
         RunError with LAMMPS' complaint when it fails; the next run starts with a fresh instance then.
         """
+        self._kept = None
+        return self._run("clear\n" + assignments(variables, again=True) + text)
+
+    def begin(self, text: str, variables: Mapping[str, int | float | str]) -> dict[Any, int]:
+        """Run the beginning of a script, unless the instance holds what it has made.
+
+        Returns what the caller has noted of that: empty after a beginning, and the same dictionary until the next one.
+        """
+        beginning = assignments(variables, again=True) + text
+        if self._kept is None or self._kept[0] != beginning:
+            self._kept = None
+            self._run("clear\n" + beginning)
+            self._kept = (beginning, {})
+        return self._kept[1]
+
+    def forget(self) -> None:
+        """Let the next :meth:`begin` begin anew."""
+        self._kept = None
+
+    def go_on(self, text: str, variables: Mapping[str, int | float | str]) -> str:
+        """Run the rest of a script in what :meth:`begin` has made; otherwise like :meth:`run`."""
+        return self._run(assignments(variables, again=True) + text)
+
+    def _run(self, commands: str) -> str:
         start = time.perf_counter()
         before = Path.cwd()
         os.chdir(self.folder)
@@ -129,7 +155,7 @@ class Session:
             if self._instance is None:
                 self._instance = _open(load(), ["-screen", "none", "-log", "none", "-nocite"], alone())
             try:
-                self._instance.commands_string("clear\n" + assignments(variables, again=True) + text)
+                self._instance.commands_string(commands)
             except Exception as error:
                 self._drop()
                 raise failure(str(error)) from error

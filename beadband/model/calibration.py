@@ -93,8 +93,6 @@ class Strand:
         bending = (4.0 * self.bending_diffusivity_m2_s / self.spacing_m**2) ** 2
         relaxed = 2.0 * compression / math.sqrt(bending) if bending > 0.0 else math.inf
         pulled = stretch[stretch >= 1.0]
-        across = bending / pulled**2 + 4.0 * self.law.stress(pulled) / (
-            pulled * self.density_kg_m3 * self.spacing_m**2
-        )
+        across = bending / pulled**2 + 4.0 * self.law.stress(pulled) / (pulled * self.density_kg_m3 * self.spacing_m**2)
         swiftest = float(np.max(across))
         return min(axial, relaxed, 2.0 / math.sqrt(swiftest) if swiftest > 0.0 else math.inf)
