@@ -19,7 +19,7 @@ from beadband.analysis.readers import read_rears
 from beadband.lammps.bond_table import LEG_TABLE_POINTS, leg_reach, leg_table, table_points
 from beadband.lammps.engine import Session
 from beadband.lammps.files import LEG_SCRIPT
-from beadband.lammps.scripts import Variables, leg_dashpot_cutoff_m, script_text
+from beadband.lammps.scripts import Variables, assignments, leg_dashpot_cutoff_m, script_text
 from beadband.model.angle_forms import FOURIER
 from beadband.planning.plan import Plan
 from beadband.statics.leg import TIP_WEIGHT, Leg
@@ -54,15 +54,21 @@ def release_legs(session: Session, legs: Sequence[Held]) -> list[Array]:
     Returns for each the positions in m of its tip and of the bead next to it at every step from 0 to its last, shape
     (steps + 1, 2, 2). RunError when LAMMPS fails for any of them, ReadError when what it wrote is not whole.
     """
-    beginning, _, rest = script_text(LEG_SCRIPT).partition(_AGAIN)
-    room = _room(points_of(legs[0][0]))
-    tables = session.begin(beginning, room)
+    beginning, rest = _parts(points_of(legs[0][0]))
+    tables = session.begin(beginning)
     if len(tables) + len(legs) > MOST_TABLES:
         session.forget()
-        tables = session.begin(beginning, room)
-    session.go_on(rest, write_legs(session.folder, legs, tables) | {"atom_types": room["atom_types"]})
+        tables = session.begin(beginning)
+    session.go_on(rest, write_legs(session.folder, legs, tables))
     found = read_rears(session.folder / REARS, 1 + max(plan.steps for plan, _ in legs), len(legs))
     return [found[: plan.steps + 1, place] * plan.strand.spacing_m for place, (plan, _) in enumerate(legs)]
+
+
+@lru_cache(maxsize=8)
+def _parts(points: int) -> tuple[str, str]:
+    """The beginning of legs.in with its variables, and its rest."""
+    beginning, _, rest = script_text(LEG_SCRIPT).partition(_AGAIN)
+    return assignments(_room(points), again=True) + beginning, rest
 
 
 def _room(points: int) -> Variables:
@@ -108,9 +114,9 @@ def write_legs(folder: Path, legs: Sequence[Held], tables: dict[Any, int]) -> Va
     beads = sum(len(leg.positions_m) for _, leg in legs)
     count = len(legs)
     (folder / DATA).write_text(
+        # The box stays as it is.
         f"beadband: {count} held legs\n\n{beads + 2 * count} atoms\n{beads} bonds\n{beads - count} angles\n\n"
-        + "".join(f"{-_BOX:g} {_BOX:g} {axis}lo {axis}hi\n" for axis in "xyz")
-        + f"\nAtoms # angle\n\n{''.join(atoms)}\nBonds\n\n{''.join(bonds)}\nAngles\n\n{''.join(angles)}",
+        f"Atoms # angle\n\n{''.join(atoms)}\nBonds\n\n{''.join(bonds)}\nAngles\n\n{''.join(angles)}",
         encoding="utf-8",
     )
     (folder / COEFFICIENTS).write_text("".join(coefficients), encoding="utf-8")

@@ -127,16 +127,15 @@ class Session:
         self._kept = None
         return self._run("clear\n" + assignments(variables, again=True) + text)
 
-    def begin(self, text: str, variables: Mapping[str, int | float | str]) -> dict[Any, int]:
-        """Run the beginning of a script, unless the instance holds what it has made.
+    def begin(self, text: str) -> dict[Any, int]:
+        """Run the beginning of a script, its variables in it, unless the instance holds what it has made.
 
         Returns what the caller has noted of that: empty after a beginning, and the same dictionary until the next one.
         """
-        beginning = assignments(variables, again=True) + text
-        if self._kept is None or self._kept[0] != beginning:
+        if self._kept is None or self._kept[0] != text:
             self._kept = None
-            self._run("clear\n" + beginning)
-            self._kept = (beginning, {})
+            self._run("clear\n" + text)
+            self._kept = (text, {})
         return self._kept[1]
 
     def forget(self) -> None:

@@ -32,7 +32,7 @@ from beadband.statics.newton import BOUND
 
 TIP_WEIGHT = 2.0
 """Coefficient of the tip's angle, over that of the others: it turns by half as much on each side of the axis."""
-_GOAL = 1e-12
+_GOAL = 1e-11
 _SETTLED = 1e-7
 """Last step of the stretches from which the next one, of a method of the second order, is below rounding."""
 _STEPS, _SHORT_STEPS = 60, 12
@@ -214,8 +214,16 @@ def _settled(
         if not active.any():
             break
         change = _solve_tridiagonal(diagonal, -stiffness[:, 1:], -unbalanced)
-        most = np.maximum(np.maximum.reduce(np.abs(change), axis=1), 0.5)
-        alpha = np.where(active[:, None], alpha + change * (0.5 / most)[:, None], alpha)
+        most = np.maximum.reduce(np.abs(change), axis=1)
+        if most.max() > 0.5:
+            change *= (0.5 / np.maximum(most, 0.5))[:, None]
+        # The stretches go along with the angles, to the first order: Newton's method in both.
+        follow = better - held_pa / tangent * sine * change
+        if active.all():
+            alpha, stretch = alpha + change, follow
+        else:
+            alpha = np.where(active[:, None], alpha + change, alpha)
+            stretch = np.where(active[:, None], follow, stretch)
     return alpha, stretch, imbalance
 
 
