@@ -17,7 +17,6 @@ Results are read by the names of their attributes; this module imports nothing o
 
 from __future__ import annotations
 
-import html
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -368,6 +367,8 @@ def text_of(values: Mapping[str, Any], key: str) -> str | None:
 
 def as_html(result: Any) -> str:
     """A result as a table, for notebooks."""
+    import html
+
     values = as_dict(result)
     listed = [*rows(values), *(("note", sentence) for sentence in values["warnings"])]
     body = "".join(f"<tr><td>{html.escape(name)}</td><td>{html.escape(text)}</td></tr>" for name, text in listed)

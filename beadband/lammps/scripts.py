@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,11 +16,13 @@ from beadband.lammps.datafile import ring_data
 from beadband.lammps.files import DATA, LAUNCH_SCRIPT, SCRIPT, TABLE, write_text
 from beadband.model.angle_forms import FOURIER
 from beadband.model.calibration import Strand
-from beadband.planning.launch_plan import CAP, CORE_DEPTH, SHORTEST_STRETCH, LaunchPlan
 from beadband.planning.plan import Plan
-from beadband.statics.finger import Support
 from beadband.statics.leg import TIP_WEIGHT, Leg
 from beadband.statics.ring import Ring
+
+if TYPE_CHECKING:
+    from beadband.planning.launch_plan import LaunchPlan
+    from beadband.statics.finger import Support
 
 MOST_ENERGY = 1.05
 """Share of the held energy above which a run is stopped; sound ones stay within a per cent."""
@@ -46,6 +49,8 @@ def write_ring(folder: Path, plan: Plan, ring: Ring, pictures: bool = True) -> N
 
 def write_launch(folder: Path, plan: LaunchPlan, ring: Ring, support: Support, pictures: bool = True) -> None:
     """The like of :func:`write_ring` for a launch; without ``pictures`` only the rear and the finger are written."""
+    from beadband.planning.launch_plan import CAP, SHORTEST_STRETCH
+
     # The box reaches as far ahead as the band flies.
     ahead = 1.5 * plan.string.centre_of_mass_speed_m_s * (plan.cap_s / CAP + plan.scene.flight_s)
     strain = plan.scene.strain
@@ -126,6 +131,8 @@ def ring_variables(plan: Plan, ring: Ring, pictures: bool) -> Variables:
 
 def launch_variables(plan: LaunchPlan, ring: Ring, support: Support, pictures: bool) -> Variables:
     """What launch.in needs to know."""
+    from beadband.planning.launch_plan import CORE_DEPTH, SHORTEST_STRETCH
+
     scene = plan.scene
     core = min(CORE_DEPTH * scene.band.thickness_m, 0.5 * support.radius_m)
     lost_every = sample_every(plan.rear_steps, plan.rear_steps // 4)

@@ -5,15 +5,18 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from beadband.analysis.readers import read, read_mdanalysis
 from beadband.errors import UsageError, explain
 from beadband.lammps.ranks import world
 from beadband.model.scene import Scene
 from beadband.runs import folder as files
-from beadband.runs import launch, release
-from beadband.runs.release import Progress, Reader
-from beadband.runs.results import Run
+from beadband.runs import release
+from beadband.runs.release import Progress
+
+if TYPE_CHECKING:
+    from beadband.runs.finish import Reader
+    from beadband.runs.results import Run
 
 
 def run(scene: Scene, out: str | os.PathLike[str] | None = None, progress: Progress | None = None) -> Run:
@@ -28,6 +31,8 @@ def run(scene: Scene, out: str | os.PathLike[str] | None = None, progress: Progr
         return release.run(scene, out, progress)
     if world().size > 1:
         raise _one_rank()
+    from beadband.runs import launch
+
     return launch.run(scene, out, progress)
 
 
@@ -49,13 +54,18 @@ def analyze(folder: str | os.PathLike[str]) -> Run:
     that is missing; nothing is written. UsageError when the folder is not that of a whole run, or when a file is not
     the one from which the results were made.
     """
+    from beadband.analysis.readers import read_mdanalysis
+
     return remeasure(folder, read_mdanalysis)
 
 
-def remeasure(folder: str | os.PathLike[str], reader: Reader = read) -> Run:
+def remeasure(folder: str | os.PathLike[str], reader: Reader | None = None) -> Run:
     """As :func:`analyze`, with beadband's own faster reader or another."""
+    from beadband.analysis.readers import read
+    from beadband.runs import finish, launch
+
     launched = (Path(folder) / files.LAUNCH_SCRIPT).is_file()
-    return launch.remeasure(folder, reader) if launched else release.remeasure(folder, reader)
+    return launch.remeasure(folder, reader or read) if launched else finish.remeasure(folder, reader or read)
 
 
 def load(folder: str | os.PathLike[str]) -> Run:
