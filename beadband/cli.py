@@ -6,8 +6,11 @@ Nothing heavy is imported before a command needs it.
 from __future__ import annotations
 
 import argparse
+import atexit
+import gc
 import os
 import sys
+import threading
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
@@ -169,6 +172,40 @@ def reference() -> str:
             flag = " ".join([*one.option_strings, *([str(one.metavar)] if one.metavar else [])])
             lines.append(f"* `{flag}`: {one.help % {'default': one.default} if one.help else ''}")
     return "\n".join(lines).replace("\n\n\n", "\n\n") + "\n"
+
+
+def program() -> NoReturn:
+    """The command line as a process of its own, which starts and ends as quickly as it can."""
+    # Arrays here are small: threads for them take longer to start than they save. A user's own setting stands.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Most of what a command makes is modules, which are no garbage; it is looked for seldom.
+    gc.set_threshold(100_000, 50, 50)
+    if sys.argv[1:2] == ["run"]:
+        from beadband.lammps import library
+
+        library.load_ahead()
+    try:
+        code = main()
+    except SystemExit as end:  # of the parser
+        code = end.code if isinstance(end.code, int) else 1
+    _end(code)
+
+
+def _end(code: int) -> NoReturn:
+    """Leave with this exit code, without taking apart what the process holds: that takes as long as a short release.
+
+    What was registered to be done at exit is done, and output is flushed. Several ranks end together, as MPI wants.
+    """
+    parallel = sys.modules.get("mpi4py.MPI")
+    try:
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except (OSError, ValueError):
+        parallel = sys  # Python's own end deals with a reader that has gone
+    if parallel is None and threading.active_count() == 1:
+        atexit._run_exitfuncs()
+        os._exit(code)
+    sys.exit(code)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from string import Formatter
 from typing import Any
 
@@ -59,9 +60,17 @@ _FORMATTER = _Formatter()
 
 def notice(code: str, **values: Any) -> Notice:
     """A notice of the table; KeyError for a code that it does not hold."""
-    made = Notice(code, values)
-    made.sentence  # noqa: B018  a missing value raises here, where the notice is made
-    return made
+    # A value that its sentence lacks shows here, not at the reader's; the sentence itself is made there.
+    lacking = _needed(code) - values.keys()
+    if lacking:
+        raise KeyError(*sorted(lacking))
+    return Notice(code, values)
+
+
+@cache
+def _needed(code: str) -> frozenset[str]:
+    """Names of the values in the sentence of a code."""
+    return frozenset(name for _, name, _, _ in _FORMATTER.parse(SENTENCES[code]) if name)
 
 
 def sentences(notices: tuple[Notice, ...] | list[Notice]) -> list[str]:

@@ -367,6 +367,7 @@ def text_of(values: Mapping[str, Any], key: str) -> str | None:
 
 def as_html(result: Any) -> str:
     """A result as a table, for notebooks."""
+
     values = as_dict(result)
     listed = [*rows(values), *(("note", sentence) for sentence in values["warnings"])]
     from html import escape

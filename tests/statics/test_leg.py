@@ -12,10 +12,9 @@ import pytest
 from beadband.analysis.fits import hann_mean
 from beadband.errors import RunError
 from beadband.lammps.engine import Session
-from beadband.lammps.scripts import script_text
 from beadband.model.scene import scene_of
 from beadband.planning.plan import Plan, plan_of
-from beadband.runs.rear_run import follow_rear, hold_leg
+from beadband.runs.rear_run import follow_rear
 from beadband.statics.leg import held_leg
 from beadband.statics.ring import stretched_ring
 
@@ -108,12 +107,3 @@ def test_session_survives_a_failed_run(session: Session) -> None:
     with pytest.raises(RunError):
         session.run("no_such_command", {})
     assert math.isfinite(follow_rear(leg_plan(beads=120), session).fitted_speed_m_s.value)
-
-
-def test_leg_script_names_every_variable_that_it_gets() -> None:
-    from beadband.lammps.scripts import leg_variables
-
-    plan = leg_plan()
-    text = script_text("leg.in")
-    for name in leg_variables(plan, hold_leg(plan)):
-        assert "${" + name + "}" in text
