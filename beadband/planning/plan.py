@@ -10,7 +10,6 @@ from beadband.errors import UsageError, explain
 from beadband.model.calibration import Strand
 from beadband.model.scales import SPEED_WINDOW, viscous_front_m
 from beadband.model.scene import Scene
-from beadband.model.uncertainty import with_auto_tolerance
 from beadband.model.validity import law_reasons, validity_notices
 from beadband.model.wedge import StringLimit
 from beadband.notices import Notice, distinct_digits, notice
@@ -114,6 +113,8 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     if scene.until == "launch":
         raise UsageError(explain("this plans releases only", "until launch", "until release", "use beadband.plan"))
     if scene.auto_tolerance:
+        from beadband.model.uncertainty import with_auto_tolerance
+
         scene = with_auto_tolerance(scene)
     reasons: list[Notice] = []
     warnings: list[Notice] = []

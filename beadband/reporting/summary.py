@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from beadband import observables
 from beadband.analysis.fits import Measured
 from beadband.model.scene import Scene
 from beadband.notices import percent, sentences
 from beadband.parameters import TABLE
-from beadband.planning.launch_plan import LaunchPlan
 from beadband.planning.plan import Plan
 from beadband.runs.results import Run
+
+if TYPE_CHECKING:
+    from beadband.planning.launch_plan import LaunchPlan
 
 # key of the row, heading, unit, factor from SI, format
 _BAND_COLUMNS: tuple[tuple[str, str, str, float, str], ...] = (
