@@ -14,7 +14,6 @@ from beadband.model.scenefile import read_scene
 from beadband.planning.plan import Plan, plan_of
 from beadband.runs import folder as files
 from beadband.runs.held import hold
-from beadband.runs.input_errors import budget_of
 from beadband.runs.measurement import measure, reading_own_files, reading_users_files
 from beadband.runs.rear_run import estimate_of
 from beadband.runs.release import Clock
@@ -34,6 +33,8 @@ def finished(plan: Plan, ring: Ring, folder: Path, clock: Clock, **about: Any) -
         measured = measure(plan, read(folder / files.REAR))
     inputs = None
     if scene.errors or scene.covariance:
+        from beadband.runs.input_errors import budget_of
+
         with clock.part("inputs"):
             inputs = budget_of(scene, measured.fitted_speed_m_s.value)
     with clock.part("measure"), reading_own_files():
@@ -54,6 +55,8 @@ def written(done: AnyRun, clock: Clock) -> AnyRun:
 
 def remeasure(folder: str | os.PathLike[str], reader: Reader = read) -> Run:
     """Measure a release again from the files in its folder; see :func:`beadband.runs.dispatch.analyze`."""
+    from beadband.runs.input_errors import budget_of
+
     path = files.require(folder, files.SCENE, files.REAR, files.ENERGY)
     stored, prints = unchanged(path)
     plan = plan_of(scene_of(read_scene(path / files.SCENE)))
