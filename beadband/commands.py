@@ -116,18 +116,20 @@ def _refuse_absurd(planned: Plan | LaunchPlan, frames: int | None, force: bool) 
     """
     from beadband.planning import error_curves
 
-    seconds, size = planned.seconds, max(planned.disk_bytes, error_curves.disk_bytes(planned.beads, frames or 0, 0))
-    if (seconds > _LONGEST_S or size > _MOST_BYTES) and not force:
-        raise UsageError(
-            explain(
-                "the run is predicted to take too long or too much disk space",
-                f"{_duration(seconds)} and {size / 1e9:.2g} GB for {planned.steps} steps of {planned.beads} beads"
-                + (f" and {frames} frames" if frames else ""),
-                f"{_duration(_LONGEST_S)} and {_MOST_BYTES / 1e9:g} GB",
-                "use fewer --beads or --frames or a smaller --loss-time, or add --force",
-            ),
-            code="absurd-run",
-        )
+    seconds, size = planned.seconds, planned.disk_bytes
+    asked = error_curves.disk_bytes(planned.beads, frames or 0, 0)
+    if force or (seconds <= _LONGEST_S and max(size, asked) <= _MOST_BYTES):
+        return
+    run = f"{planned.steps} steps of {planned.beads} beads"
+    if asked > size:
+        wrong, given = "so many frames would take too much disk space", f"{frames} frames, {asked / 1e9:.2g} GB"
+        allowed, advice = f"{_MOST_BYTES / 1e9:g} GB, and one frame for each step ({run})", "lower --frames"
+    else:
+        wrong = "the run is predicted to take too long or too much disk space"
+        given = f"{_duration(seconds)} and {size / 1e9:.2g} GB for {run}"
+        allowed = f"{_duration(_LONGEST_S)} and {_MOST_BYTES / 1e9:g} GB"
+        advice = "use fewer --beads or --frames or a smaller --loss-time"
+    raise UsageError(explain(wrong, given, allowed, f"{advice}, or add --force"), code="absurd-run")
 
 
 def _duration(seconds: float) -> str:

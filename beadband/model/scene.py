@@ -168,7 +168,7 @@ class Scene:
         if set(changed) >= {"circumference_m", "thickness_m"}:
             return f"of {_size('circumference_m', own)} circumference"
         # Constants of a law that the catalogue does not have for this band.
-        foreign = [key for key in self.material.values() if key not in known]
+        foreign = [key for key, value in self.material.values().items() if key not in known and value != 0.0]
         sizes = {key: f"{TABLE[key].option} {_size(key, own)}" for key in (*changed, *foreign)}
         law = [self.law, *(sizes[key] for key in foreign)] if foreign else []
         return ", ".join([self.band.name, *(sizes[key] for key in changed), *law])

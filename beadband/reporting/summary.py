@@ -258,7 +258,8 @@ def sweep(summary: dict[str, Any]) -> str:
 
 def heading(scene: Scene, degrees: str = " deg") -> str:
     """What was asked for, in one line."""
-    return f"Band {scene.label}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g}{degrees}, {scene.law}"
+    law = "" if scene.law in scene.label.split(", ") else f", {scene.law}"
+    return f"Band {scene.label}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g}{degrees}{law}"
 
 
 def title_of(scene: Scene) -> str:
