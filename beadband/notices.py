@@ -80,6 +80,8 @@ SENTENCES: dict[str, str] = {
     "loss": "loss time {value:.3g} s: {limit} of the front's time from bead to bead, enough to give it a smooth "
     "profile "
     "of a few beads, and vanishing with the mesh",
+    "loss-without-shock": "loss time {value:.3g} s: {limit:.2g} of the front's time from bead to bead; this law unloads "
+    "without a shock, so the loss vanishes with the square of the spacing",
     "step": "step {step_s:.3g} s: {value:.2f} of the largest stable one, {steps} steps to {end_s:.4g} s, {end:.2f} of "
     "the front's arrival",
     "no-bending": "no bending: the scene leaves it out",

@@ -69,7 +69,7 @@ def judge(values: dict[str, Any]) -> list[dict[str, Any]]:
             start = time.perf_counter()
             found = follow_rear(plan, session).fitted_speed_m_s
             middle = time.perf_counter()
-            bar = joined_error_m_s(found, estimate_of(plan, session), plan.speed_error)
+            bar = joined_error_m_s(found, plan.beads, estimate_of(plan, session), plan.speed_error)
             end = time.perf_counter()
             cheapest = ladder[-1][0]
             for tried, speed in reversed(ladder):

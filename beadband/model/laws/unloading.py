@@ -75,6 +75,11 @@ class UnloadingWave(NamedTuple):
         return f"{SHOCK} and {FAN}" if len(kinds) > 1 else next(iter(kinds), "")
 
     @property
+    def shocks(self) -> bool:
+        """Whether any part of it is a shock, which turns energy into heat at any spacing."""
+        return any(part.kind == SHOCK for part in self.parts)
+
+    @property
     def tail_speed_m_s(self) -> float:
         """Speed of its last point, in reference length."""
         return self.parts[-1].tail_speed_m_s if self.parts else self.front_speed_m_s
