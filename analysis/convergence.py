@@ -75,7 +75,7 @@ def limit_of(
     ones = np.ones(len(ratios))
     weights = np.linalg.solve(covariance, ones)
     variance = 1.0 / float(weights.sum())
-    weights *= variance
+    weights = np.asarray(weights * variance, dtype=np.float64)
     mean = float(weights @ ratios)
     apart = ratios - mean
     chi2 = float(apart @ np.linalg.solve(covariance, apart))
@@ -90,11 +90,11 @@ def plain_error(spacing: Array, values: Array, floor: float = 0.0, least_order: 
     |difference| / ((h_k/h_0)^q - 1) of the limit, for each coarser level k. The largest of these and ``floor`` join.
     A single level has no error but the floor. ValueError where a coarser level is not coarser.
     """
-    ratios = spacing[1:] / spacing[0]
+    ratios: Array = spacing[1:] / spacing[0]
     if not np.all(ratios > 1.0):
         raise ValueError(f"levels must grow coarser: {spacing}")
     bounds = np.abs(values[1:] - values[0]) / (ratios**least_order - 1.0)
-    return math.hypot(float(bounds.max(initial=0.0)), floor)
+    return float(math.hypot(bounds.max(initial=0.0), floor))
 
 
 def observed_order(spacing: Array, values: Array) -> float | None:
@@ -108,7 +108,7 @@ def observed_order(spacing: Array, values: Array) -> float | None:
     fine, middle, coarse = (float(one) for one in spacing[:3] / spacing[0])
 
     def excess(p: float) -> float:
-        return (middle**p - fine**p) / (coarse**p - middle**p) - first / second
+        return float((middle**p - fine**p) / (coarse**p - middle**p) - first / second)
 
     low, high = 0.05, 8.0
     if excess(low) * excess(high) > 0.0:

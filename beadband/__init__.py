@@ -11,6 +11,8 @@ _PUBLIC = {
     "run": "api",
     "plan": "api",
     "scene": "api",
+    "ask": "api",
+    "find": "api",
     "load": "runs.dispatch",
     "analyze": "runs.dispatch",
     "sweep": "studies.sweep",

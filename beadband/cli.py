@@ -62,6 +62,16 @@ def build_parser() -> argparse.ArgumentParser:
     run = command("run", "one release, measured", scene=True)
     run.add_argument("--out", metavar="DIR", help="new or empty folder for the run (default: named after the scene)")
     run.add_argument("--force", action="store_true", help="start even where the predicted time or disk is absurd")
+    ask = command("ask", "one number of a release with its error, at the least cost", scene=True)
+    ask.add_argument(
+        "--quantity",
+        choices=("speed", "curvature"),
+        default="speed",
+        help="V in m/s, or the mean tip curvature in its self-similar window over that of Eq. 7 (default: speed)",
+    )
+    find = command("find", "the strain, angle or size that gives a wanted speed", scene=True)
+    find.add_argument("parameter", choices=("strain", "half-angle", "thickness", "circumference"), help="what to find")
+    find.add_argument("--speed", metavar="M_S", type=float, required=True, help="the wanted rebound speed V, m/s")
     command("analyze", "measure a run again, from the files in its folder", folder=True)
     command("plot", "the pictures of a run", folder=True)
     report = command("report", "a page that plays a run, with its curves and tables", folder=True)

@@ -91,9 +91,7 @@ def joined_error_m_s(speed: Measured, beads: int, estimate: Estimate | NoEstimat
     return _level_error(beads, speed.value, coarse, SPEED_ORDER, math.hypot(speed.error, predicted * speed.value))
 
 
-def _decay_error(
-    fit: Measured, beads: int, estimate: Estimate | NoEstimate, name: str, predicted: float
-) -> Measured:
+def _decay_error(fit: Measured, beads: int, estimate: Estimate | NoEstimate, name: str, predicted: float) -> Measured:
     """A value of the curvature's decay with its whole error.
 
     The fit counts with twice its standard error, for a ringing decay has few independent points.
