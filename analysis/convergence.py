@@ -73,7 +73,7 @@ def limit_of(
         wider[:size, :size], wider[size, size] = covariance, (known[1] / scale) ** 2
         covariance, ratios = wider, np.append(ratios, known[0] / scale)
     ones = np.ones(len(ratios))
-    weights = np.linalg.solve(covariance, ones)
+    weights = np.asarray(np.linalg.solve(covariance, ones), dtype=np.float64)
     variance = 1.0 / float(weights.sum())
     weights = np.asarray(weights * variance, dtype=np.float64)
     mean = float(weights @ ratios)

@@ -41,7 +41,7 @@ def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None
     numbers, speed = _numbers(scene, given)
     shape = speed.shape
     try:
-        from beadband.model import correction
+        from beadband.model import correction  # type: ignore[attr-defined]
     except ImportError:  # the map is not there yet
         return Formula(speed, np.full(shape, math.inf))
     found = (correction.speed_correction if quantity == "speed" else correction.curvature_correction)(numbers)

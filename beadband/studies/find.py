@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -168,19 +169,15 @@ def _look(values: Mapping[str, Any], key: str, places: Array, session: Session) 
 
 
 def _crossings(over: Array, errors: Array) -> list[int]:
-    """Places after which a difference changes its sign, counted once where its error hides how often it does."""
-    sure = np.flatnonzero(np.abs(over) > errors)
+    """Places after which a difference changes its sign: the lowest, and others that its error does not explain."""
     changes = np.flatnonzero(np.signbit(over[1:]) != np.signbit(over[:-1]))
-    if len(sure) < 2:
-        return changes[:1].tolist()
+    sure = np.flatnonzero(np.abs(over) > errors)
     turns = sure[:-1][np.signbit(over[sure[1:]]) != np.signbit(over[sure[:-1]])]
-    starts = [int(changes[changes >= turn][0]) for turn in turns]
-    return starts or changes[:1].tolist()
+    starts = {int(changes[changes >= turn][0]) for turn in turns}
+    return sorted(starts | {int(one) for one in changes[:1] if len(turns) == 0 or one < turns[0]})
 
 
 def _session(session: Session | None) -> Any:
-    from contextlib import nullcontext
-
     return kept_session() if session is None else nullcontext(session)
 
 
