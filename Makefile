@@ -4,7 +4,7 @@ BIN := $(VENV)/bin
 
 COVERAGE := build/coverage
 
-.PHONY: install test coverage docs lint shape types imports wheel check clean
+.PHONY: install test coverage docs correction lint shape types imports wheel check clean
 
 install:
 	python3 -m venv $(VENV)
@@ -23,6 +23,11 @@ coverage:
 # The pages of reference: parameters.md, results.md, results.schema.json. A test says when they are out of date.
 docs:
 	$(BIN)/python -m beadband.reporting.documents docs
+
+# The map of what bending makes of the string limit: thousands of releases, some minutes on two cores.
+correction:
+	$(BIN)/python -m beadband.studies.correction --out build/correction
+	cp build/correction/correction.json beadband/model/correction.json
 
 lint:
 	$(BIN)/ruff check .
