@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beadband.errors import UsageError, explain
+from beadband.model import correction
 from beadband.model.scales import FORGOTTEN_AFTER, WINDOW_BEFORE
 from beadband.model.scene import Scene
 from beadband.model.string_arrays import string_limits
@@ -40,10 +41,6 @@ def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None
     given = _arrays(scene, varied or {})
     numbers, speed = _numbers(scene, given)
     shape = speed.shape
-    try:
-        from beadband.model import correction  # type: ignore[attr-defined]
-    except ImportError:  # the map is not there yet
-        return Formula(speed, np.full(shape, math.inf))
     found = (correction.speed_correction if quantity == "speed" else correction.curvature_correction)(numbers)
     value = (1.0 + found.delta.reshape(shape)) * (speed if quantity == "speed" else 1.0)
     return Formula(value, np.where(found.inside, found.error, math.inf).reshape(shape) * np.abs(value))
