@@ -26,6 +26,8 @@ MOST_ENERGY = 1.05
 GUARD_STEPS = 200
 """Steps between checks of the energy."""
 _NEVER = 2_000_000_000
+_MOST_BINS = 3000
+"""Bins along the band; the box around it has some of them more."""
 _IDLE_FORCE = 1e-6
 """Share of the held load below which the finger carries nothing."""
 LOSS_SAMPLES = 8
@@ -103,6 +105,12 @@ def chain_variables(strand: Strand, cutoff_m: float, loss_time_s: float, timeste
     }
 
 
+def bin_m(points_m: np.ndarray, cutoff_m: float) -> float:
+    """Size of the bins in which LAMMPS looks for neighbours: 0, its own choice, unless there were too many of them."""
+    extent = float(np.ptp(points_m, axis=0).max())
+    return extent / _MOST_BINS if 2.0 * extent > _MOST_BINS * cutoff_m else 0.0
+
+
 def frame_variables(frame_steps: int, pictures: bool) -> Variables:
     """How often the frames of the whole ring and its energies are written; never without ``pictures``."""
     every = sample_every(frame_steps, LOSS_SAMPLES)
@@ -120,6 +128,7 @@ def ring_variables(plan: Plan, ring: Ring, pictures: bool) -> Variables:
     return {
         "beads": plan.beads,
         **chain_variables(strand, dashpot_cutoff_m(ring), plan.loss_time_s, plan.timestep_s),
+        "bin": bin_m(ring.positions_m, dashpot_cutoff_m(ring)),
         "table_points": table_points(strand.law, plan.scene.strain),
         "bead_radius": 0.5 * plan.scene.band.thickness_m,
         "steps": plan.steps,

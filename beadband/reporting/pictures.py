@@ -19,6 +19,7 @@ def draw_folder(folder: str | os.PathLike[str]) -> list[Path]:
 
 def draw_result(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
     """Draw the pictures of a release or launch into a folder; return their paths."""
+    Path(folder).mkdir(parents=True, exist_ok=True)
     with reading_users_files():
         ring = run.ring.trajectory
     return launch_plots.draw(run, ring, folder) if isinstance(run, Launch) else plots.draw(run, ring, folder)

@@ -147,14 +147,41 @@ def _fixed_cosine(unit: Array, length: float) -> tuple[Array, Array, Array]:
     return value, slope, -(outer + outer.T) / length - value * (np.eye(2) - np.outer(unit, unit)) / length**2
 
 
+LONG_CHAIN = 2000
+"""Beads of a half from which on scipy's banded solver is quicker, its import included."""
+_BAND = 5  # the farthest coupled coordinates: those across two beads
+
+
+def _solve_banded(blocks: Array, right: Array) -> Array:
+    """The like of :func:`solve_blocks` by LAPACK, in time and memory proportional to the beads."""
+    from scipy.linalg import solve_banded
+
+    count, _, columns = right.shape
+    band = np.zeros((2 * _BAND + 1, 2 * count))
+    for offset in range(3):
+        for row in range(2):
+            for column in range(2):
+                across = 2 * offset + column - row
+                value = blocks[offset, : count - offset, row, column]
+                band[_BAND - across, 2 * offset + column :: 2][: len(value)] = value
+                if offset:
+                    band[_BAND + across, row::2][: len(value)] = value
+    solved: Array = solve_banded((_BAND, _BAND), band, right.reshape(2 * count, columns), check_finite=False)
+    if not np.isfinite(solved).all():
+        raise np.linalg.LinAlgError("singular")
+    return solved.reshape(count, 2, columns)
+
+
 def solve_blocks(blocks: Array, right: Array, beads_a_block: int = 16) -> Array:
     """Solve H x = right for the symmetric pentadiagonal (in beads) matrix of :meth:`HalfRing.derivatives`.
 
     ``blocks`` (3, beads, 2, 2), ``right`` (beads, 2, columns). Beads are gathered into blocks that couple only to the
-    next, and eliminated in turn; numpy alone, for importing scipy's banded solver takes longer than a release.
-    Raises numpy.linalg.LinAlgError when singular.
+    next, and eliminated in turn; numpy alone, for importing scipy's banded solver takes longer than a release. A long
+    chain is worth that import. Raises numpy.linalg.LinAlgError when singular.
     """
     count, columns = right.shape[0], right.shape[2]
+    if count > LONG_CHAIN:
+        return _solve_banded(blocks, right)
     size = 2 * beads_a_block
     parts = -(-count // beads_a_block)
     padded = parts * beads_a_block

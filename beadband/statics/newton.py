@@ -23,12 +23,13 @@ def damped_newton(
     residual: Callable[[State], float],
     step: Callable[[State], tuple[float, Callable[[float], State]]],
     goal: float,
+    bound: float = BOUND,
 ) -> tuple[State, float]:
     """The state of vanishing ``residual``, or as near to it as the method came, and its residual.
 
     ``step`` gives the share of Newton's step to begin with, and the state after a share of it; it may raise
-    numpy.linalg.LinAlgError, which ends the search. Near a tension peak, on a coarse chain, or where a contact opens,
-    whole steps overshoot: they are halved until the residual falls.
+    numpy.linalg.LinAlgError, which ends the search. ``bound`` is the largest residual of an equilibrium. Near a tension
+    peak, on a coarse chain, or where a contact opens, whole steps overshoot: they are halved until the residual falls.
     """
     error = residual(state)
     for _ in range(_MOST_STEPS):
@@ -43,9 +44,9 @@ def damped_newton(
                 break
             share *= 0.5
         stalled = tried_error >= 0.5 * error
-        if tried_error < error or error > BOUND:
+        if tried_error < error or error > bound:
             state, error = tried, tried_error
-        if error <= goal or (stalled and error <= BOUND):
+        if error <= goal or (stalled and error <= bound):
             break
     return state, error
 

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beadband.errors import RunError, UsageError, explain
 from beadband.model.calibration import Strand
-from beadband.statics.chain import Array, HalfRing, solve_blocks, whole_ring
+from beadband.statics.chain import LONG_CHAIN, Array, HalfRing, solve_blocks, whole_ring
 from beadband.statics.newton import BOUND, damped_newton, fix
+from beadband.statics.refinement import refined_half
 
 TIP, UPPER, LOWER, WRAPPED = 1, 2, 3, 4
 """Bead types in the data file: the held tip, the two legs, and the beads that lie on the finger."""
@@ -26,6 +27,8 @@ FEWEST_BEADS = 24
 TOO_FEW_ON_FINGER = "too-few-beads-on-finger"
 """Code of the refusal of a ring with hardly a bead on its finger."""
 _NET_FORCE_GOAL = 1e-11
+_FINE = 8
+"""Beads in the bending layer from which on the contact is found by the finger's reaction, not bead by bead."""
 State = tuple[Array, float]
 """Positions of the upper half, and the finger's radius."""
 
@@ -62,14 +65,14 @@ def stretched_ring(strand: Strand, beads: int, strain: float, half_angle_rad: fl
     if beads < FEWEST_BEADS:
         raise UsageError(explain("too few beads", beads, f"{FEWEST_BEADS} or more", "raise --beads"), "too-few-beads")
     half = _UpperHalf(strand, beads, strain, half_angle_rad)
-    points, radius, first = half.touch_down(*half.first_guess())
+    points, radius, first = half.held()
     net_force = half.net_force(points, first)
-    if not net_force <= BOUND:
+    if not net_force <= half.bound:
         raise RunError(
             explain(
                 "the stretched ring found no equilibrium",
                 f"a net force of {net_force:.1e} of the tension",
-                f"{BOUND:.0e}",
+                f"{half.bound:.0e}",
                 "change --beads",
             ),
             "no-equilibrium",
@@ -106,6 +109,28 @@ class _UpperHalf:
         self.tension = strand.area_m2 * float(strand.law.stress(self.stretch))
         self.layer_m = math.sqrt(strand.bending_stiffness_n_m2 / (self.tension * self.stretch))
         self.pull = self.tension * np.array([math.cos(half_angle_rad), math.sin(half_angle_rad)])
+        # Rounding of the positions times the stiffest modes of the chain: no net force is known better than that.
+        axial = 4.0 * strand.area_m2 * float(strand.law.tangent(self.stretch)) / strand.spacing_m
+        bending = 16.0 * strand.bending_stiffness_n_m2 / strand.spacing_m**3
+        rounding_m = 0.5 * np.finfo(np.float64).eps * strand.spacing_m * self.stretch * self.bonds
+        rounding = rounding_m * (axial + bending) / self.tension
+        self.bound = max(BOUND, rounding)
+        self.settled = max(BOUND, rounding * math.sqrt(self.last))
+
+    def held(self) -> tuple[Array, float, int]:
+        """Positions, the finger's radius and the first bead on it, in equilibrium.
+
+        A long ring begins from one with a quarter of the beads.
+        """
+        if self.last <= LONG_CHAIN:
+            return self.touch_down(*self.first_guess())
+        beads = 2 * (self.last // 4)
+        spacing = self.strand.spacing_m * 2.0 * self.bonds / beads
+        coarse = _UpperHalf(replace(self.strand, spacing_m=spacing), beads, self.stretch - 1.0, self.angle)
+        points, radius, first = coarse.held()
+        fine = refined_half(points, self.strand.spacing_m, self.bonds, self.last + 1)
+        first = self.check_wrap(round((first - 0.5) * self.bonds / coarse.bonds))
+        return self.touch_down(self.on_finger(fine, radius, first), radius, first)
 
     def first_guess(self) -> tuple[Array, float, int]:
         """Rounded tip of uniform stretch, straight leg, uniform arc: tan(alpha/4) = tan(alpha0/4) exp(-S/l)."""
@@ -201,7 +226,8 @@ class _UpperHalf:
 
             return min(1.0, 0.5 / max(change, 0.5), reach / max(float(np.abs(move).max()), reach)), moved
 
-        return damped_newton((points, radius), lambda at: self.residual(at[0], first), step, _NET_FORCE_GOAL)[0]
+        goal = _NET_FORCE_GOAL * self.settled / BOUND
+        return damped_newton((points, radius), lambda at: self.residual(at[0], first), step, goal, self.settled)[0]
 
     def _step(self, points: Array, radius: float, first: int) -> tuple[Array, float]:
         """Newton step of the positions and of the radius, which is ruled by the tip's height above the axis."""
@@ -240,11 +266,13 @@ class _UpperHalf:
 
         Stiffness lifts the band off the finger over about one bending layer; on a fine chain that is many beads,
         most of which are freed at once. From there on the search goes bead by bead: Newton's method converges after
-        any change by one bead.
+        any change by one bead. On a very fine chain it goes by the reaction at the first bead instead.
         """
         points, radius = self.settle(points, radius, first)
         lift = int(0.8 * self.layer_m / self.strand.spacing_m)
-        if lift > 1 and self.pulls(points, first) and first + lift <= self.last - 2:
+        if lift > _FINE:
+            points, radius, first = self.by_reaction(points, radius, first)
+        elif lift > 1 and self.pulls(points, first) and first + lift <= self.last - 2:
             jumped, jumped_radius = self.settle(points, radius, first + lift)
             if self.net_force(jumped, first + lift) <= BOUND:
                 points, radius, first = jumped, jumped_radius, first + lift
@@ -262,6 +290,29 @@ class _UpperHalf:
                 return points, radius, first
             self.check_wrap(first)
             points, radius = self.settle(self.on_finger(points, radius, first), radius, first)
+
+    def by_reaction(self, points: Array, radius: float, first: int) -> tuple[Array, float, int]:
+        """The least first bead on the finger that is pushed: the root of its reaction, by secants within a bracket."""
+        state = (points, radius, first)
+        pulled, pushed = -1, self.last - 1
+        known: list[tuple[int, float]] = []
+        while True:
+            reaction = float(self.loads(state[0])[state[2]] @ state[0][state[2]])
+            known.append((state[2], reaction))
+            if reaction < 0.0:
+                pulled = state[2]
+            else:
+                pushed, answer = state[2], state
+            if pushed - pulled == 1 and reaction >= 0.0:
+                return answer
+            guess = state[2] + (1 if reaction < 0.0 else -1) * 2 ** min(len(known) - 1, 12)
+            if len(known) > 1:
+                (a, fa), (b, fb) = known[-2:]
+                root = b - fb * (b - a) / (fb - fa) if fa != fb else guess
+                guess = math.ceil(root) if abs(root - b) < 1e6 else guess
+            guess = self.check_wrap(min(max(guess, pulled + 1), pushed - (reaction >= 0.0)))
+            moved, moved_radius = self.settle(self.on_finger(state[0], state[1], guess), state[1], guess)
+            state = (moved, moved_radius, guess)
 
     def overlaps(self, points: Array, radius: float, first: int) -> bool:
         """Whether a free bead lies inside the finger."""

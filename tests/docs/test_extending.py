@@ -65,7 +65,7 @@ def test_a_band_from_a_scene_file(place: Path) -> None:
     found = stored(place / "loop")
     assert found["scene"]["label"] == "latex loop"
     assert [one["name"] for one in found["inputs"]] == ["thickness_m"]
-    assert found["scene"]["band"]["modulus_pa"] == pytest.approx(6 * (1.5e5 + 2.0e4))
+    assert found["scene"]["modulus_pa"] == pytest.approx(6 * (1.5e5 + 2.0e4))
 
 
 def test_a_law_from_a_file_runs_in_every_command(place: Path) -> None:

@@ -74,10 +74,12 @@ def test_the_answer_of_the_launch() -> None:
     (touch,) = stays.found.touches
     assert abs(touch.impulse_n_s / stays.found.momentum_n_s) == pytest.approx(7e-3, abs=1e-3)
     shares = {name: 100.0 * share for name, share in stays.shares.items()}
-    stated = re.search(r"energy of Band III \(the finger stays\) is (.*?)\. The", " ".join(LAUNCH.split()))
+    stated = re.search(r"energy of Band III \(the finger stays\) is (.*?), each within", " ".join(LAUNCH.split()))
     assert stated
+    # A band that rattles on its finger does so differently on another machine.
+    error = 100.0 * figures["efficiency"].error
     for share, name in re.findall(r"([\d.]+) % (\w+)", stated[1]):
-        assert agrees(share, shares[name]), name
+        assert float(share) == pytest.approx(shares[name], abs=error), name
     assert "free of load after 3.47 ms, and the rear arrives 1.06 ms later" in " ".join(README.split())
 
 
@@ -87,7 +89,7 @@ def test_launches_of_the_table(band: str) -> None:
     beads, radius, free, arrival, pause, _, throw, clears, stays = table("All bands")[band]
     run, taken = launched(band), launched(band, "clears")
     assert int(beads) == run.plan.beads
-    assert agrees(radius, 1e3 * run.scene.wedge.finger_radius_m)
+    assert agrees(radius, 1e3 * run.held_radius_m)
     figures = run.figures
     for text, value in (
         (free, figures["finger_free_s"]),

@@ -13,7 +13,7 @@ from beadband.lammps.engine import Session
 from beadband.model.scene import Scene, scene_of
 from beadband.parameters import Uncertain
 from beadband.planning.plan import plan_of
-from beadband.runs import release
+from beadband.runs import dispatch, release
 from beadband.runs.input_errors import _derivative, budget_of
 from beadband.runs.rear_run import follow_rear
 
@@ -100,7 +100,7 @@ def test_a_run_states_its_budget(tmp_path_factory: pytest.TempPathFactory) -> No
     assert values["inputs"][1].keys() == {"name", "value", "error", "sensitivity", "share"}
     assert done.plan.reasons[-1].code == "tolerance-auto"
     assert done.scene.tolerance == pytest.approx(0.2 * done.scene.input_share)
-    again = release.analyze(folder)
+    again = dispatch.analyze(folder)
     assert again.inputs is not None
     assert done.inputs is not None
     assert again.inputs.speed_error_m_s == pytest.approx(done.inputs.speed_error_m_s, rel=1e-12)

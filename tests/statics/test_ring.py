@@ -11,12 +11,12 @@ import pytest
 
 from beadband.errors import UsageError
 from beadband.lammps.engine import load
-from beadband.lammps.scripts import write_ring
+from beadband.lammps.scripts import bin_m, dashpot_cutoff_m, write_ring
 from beadband.model.scene import Scene, scene_of
 from beadband.planning.plan import plan_of
 from beadband.runs import folder as files
 from beadband.runs.release import hold
-from beadband.statics.chain import HalfRing, solve_blocks
+from beadband.statics.chain import LONG_CHAIN, HalfRing, solve_blocks
 from beadband.statics.ring import LOWER, TIP, UPPER, WRAPPED, Ring, stretched_ring
 
 
@@ -171,3 +171,38 @@ def test_too_few_beads_are_refused() -> None:
         ring_of(scene_of({}), 5)
     with pytest.raises(UsageError, match="finger"):
         ring_of(scene_of({"band": "IV", "half_angle_deg": 1.0}), 60)
+
+
+def test_both_solvers_agree() -> None:
+    count = LONG_CHAIN + 1
+    random = np.random.default_rng(count)
+    blocks = random.normal(size=(3, count, 2, 2))
+    blocks[0] += blocks[0].transpose(0, 2, 1) + 40.0 * np.eye(2)
+    right = random.normal(size=(count, 2, 2))
+    long, short = solve_blocks(blocks, right), solve_blocks(blocks[:, :-1], right[:-1])
+    # The last bead's effect dies away within a few beads of it.
+    assert np.abs(long[: count // 2] - short[: count // 2]).max() < 1e-14
+
+
+@pytest.mark.parametrize("law", ["linear", "mooney-rivlin"])
+def test_a_long_ring_is_the_limit_of_short_ones(law: str) -> None:
+    """It begins from a coarse one and finds its contact by the finger's reaction, not bead by bead.
+
+    Of the second order in the bead distance: twice the beads come near its radius by more than half.
+    """
+    scene = scene_of({"law": law})
+    short, twice, long = (ring_of(scene, beads) for beads in (1000, 2000, 16_001))
+    off = [abs(ring.finger_radius_m / long.finger_radius_m - 1.0) for ring in (short, twice)]
+    assert off[1] < 0.35 * off[0] < 2e-5
+    wrapped = [float((ring.types == WRAPPED).mean()) for ring in (twice, long)]
+    assert wrapped[1] == pytest.approx(wrapped[0], abs=4.0 / 2000)  # two beads at each side
+    assert long.net_force < 1e-6
+    radius = np.hypot(long.positions_m[:, 0] - long.finger_centre_m, long.positions_m[:, 1])
+    assert radius.min() > long.finger_radius_m * (1.0 - 1e-9)
+
+
+def test_bins_are_of_a_size_of_their_own_for_long_rings_only() -> None:
+    """LAMMPS would want more bins than it can count."""
+    short, long = (ring_of(scene_of({}), beads) for beads in (520, 16_000))
+    assert bin_m(short.positions_m, dashpot_cutoff_m(short)) == 0.0
+    assert np.ptp(long.positions_m[:, 0]) / bin_m(long.positions_m, dashpot_cutoff_m(long)) < 4000.0
