@@ -84,16 +84,16 @@ def limit_of(
 
 
 def plain_error(spacing: Array, values: Array, floor: float = 0.0, least_order: float = LEAST_ORDER) -> float:
-    """Error bound of ``values[0]``, the finest of several levels, from the others alone; in the unit of the values.
+    """Error bound of ``values[0]`` from the other levels alone; in the unit of the values.
 
-    Errors that fall as spacing^q with q of at least ``least_order`` leave the finest value within
-    |difference| / ((h_k/h_0)^q - 1) of the limit, for each coarser level k. The largest of these and ``floor`` join.
-    A single level has no error but the floor. ValueError where a coarser level is not coarser.
+    Errors that fall as spacing^q with q of at least ``least_order`` leave a value within
+    |difference to level k| / |(h_k/h_0)^q - 1| of the limit, whether level k is coarser or finer. The largest of these
+    and ``floor`` join. A single level has no error but the floor. ValueError for two levels of the same spacing.
     """
     ratios: Array = spacing[1:] / spacing[0]
-    if not np.all(ratios > 1.0):
-        raise ValueError(f"levels must grow coarser: {spacing}")
-    bounds = np.abs(values[1:] - values[0]) / (ratios**least_order - 1.0)
+    if np.any(ratios == 1.0):
+        raise ValueError(f"levels of the same spacing: {spacing}")
+    bounds = np.abs(values[1:] - values[0]) / np.abs(ratios**least_order - 1.0)
     return float(math.hypot(bounds.max(initial=0.0), floor))
 
 

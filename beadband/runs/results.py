@@ -103,7 +103,7 @@ def _decay_error(fit: Measured, beads: int, estimate: Estimate | NoEstimate, nam
 
 
 def _level_error(beads: int, value: float, coarse: tuple[int, float] | None, order: float, floor: float) -> float:
-    levels = [(beads, value), *([coarse] if coarse is not None and coarse[0] < beads else [])]
+    levels = [(beads, value), *([coarse] if coarse is not None and coarse[0] != beads else [])]
     counts, values = np.array(levels).T
     return plain_error(1.0 / counts, values, floor, order)
 

@@ -76,4 +76,3 @@ def released(
 ) -> list[Released | pool.Failed]:
     """All scenes at all their levels, in their order; a run that fails is told from one that was done."""
     return pool.run_all(release, scenes, jobs=jobs, progress=progress, chunk=_CHUNK)
-
