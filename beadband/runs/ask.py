@@ -20,7 +20,7 @@ from beadband.model.uncertainty import changed, with_auto_tolerance
 from beadband.model.validity import validity_notices
 from beadband.notices import Notice, distinct_digits, notice
 from beadband.parameters import PLANNED, TABLE
-from beadband.planning.ladder import COVERS, Question, next_step
+from beadband.planning.ladder import FORMULA_COVERS, Question, next_step
 from beadband.planning.plan import Plan
 from beadband.runs.input_errors import budget_of
 from beadband.runs.measurement import Measurement
@@ -141,7 +141,7 @@ def question_of(scene: Scene, quantity: str) -> Question:
 
 def _climbed(question: Question, known: tuple[float, float] | None, session: Session) -> Answer:
     """Run levels until the stated error is within the tolerance, or the ladder ends."""
-    prior = None if known is None else (known[0], known[1] / COVERS)
+    prior = None if known is None else (known[0], known[1] / FORMULA_COVERS)
     relative = None if prior is None else prior[1] / abs(prior[0])
     levels: dict[int, float] = {}
     plan: Plan | None = None
