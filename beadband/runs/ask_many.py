@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from beadband.errors import UsageError, explain
 from beadband.lammps.engine import Session, kept_session
 from beadband.model.formula import VARIED, formula, shares_law
+from beadband.model.laws import LAWS
 from beadband.model.scene import Scene, scene_of
 from beadband.parameters import TABLE, checked
 from beadband.runs.ask import UNITS, Answer, answer_by_formula, ask, question_of
@@ -149,12 +150,15 @@ _MOST_BASES = 512
 
 
 def _plain(rest: Mapping[str, Any]) -> bool:
-    return all(isinstance(one, (str, int, float)) for one in rest.values()) and "file" not in rest
+    """Whether the values say all about a kind of scene: none is a list, or names a file, which may change."""
+    files = ("band_file", *(key for key in rest if key in TABLE and TABLE[key].kind == "path"))
+    return all(isinstance(one, (str, int, float)) for one in rest.values()) and not any(key in rest for key in files)
 
 
 def _base(rest: tuple[tuple[str, Any], ...], varied: tuple[tuple[str, Any], ...]) -> Scene | None:
     """The scene of these values, or another of the same kind; None for a kind whose scenes share no formula."""
-    key = (rest, tuple(name for name, _ in varied))
+    # A law may be registered again under its name.
+    key = (rest, tuple(name for name, _ in varied), LAWS.get(dict(rest).get("law", "")))
     if key not in _bases:
         if len(_bases) >= _MOST_BASES:
             _bases.clear()
