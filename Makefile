@@ -4,7 +4,7 @@ BIN := $(VENV)/bin
 
 COVERAGE := build/coverage
 
-.PHONY: install test coverage docs site lint shape types imports dist check clean
+.PHONY: install test coverage docs site correction lint shape types imports dist check clean
 
 install:
 	python3 -m venv $(VENV)
@@ -29,6 +29,11 @@ docs:
 site: shape
 	$(BIN)/pip install --quiet -c constraints.txt -e '.[docs]'
 	$(BIN)/mkdocs build --strict --quiet
+
+# The map of what bending makes of the string limit: thousands of releases, some minutes on two cores.
+correction:
+	$(BIN)/python -m beadband.studies.correction --out build/correction
+	cp build/correction/correction.json beadband/model/correction.json
 
 lint:
 	$(BIN)/ruff check .

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from beadband.analysis.fits import Array, Measured, slope
+from beadband.analysis.fits import Array, Measured, path_mean, slope
 
 
 def curvatures(before_m: Array, tip_m: Array, after_m: Array, spacing_m: float) -> Array:
@@ -63,4 +63,5 @@ def decay(times_s: Array, curvatures_1_m: Array, eq7_1_m: Array, start_s: float,
     exponent = slope(np.log(t), np.log(kappa), math.log(start_s), math.log(end_s))
     ratio = kappa / eq7
     # Neighbouring frames are correlated: one independent value is counted for each quarter of the window.
-    return Decay(exponent, Measured(float(ratio.mean()), float(ratio.std(ddof=1)) / 2.0))
+    over_time = path_mean(times_s, curvatures_1_m / eq7_1_m, start_s, end_s)
+    return Decay(exponent, Measured(over_time, float(ratio.std(ddof=1)) / 2.0))

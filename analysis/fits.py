@@ -60,6 +60,41 @@ def slope(times_s: Array, values: Array, start_s: float, end_s: float) -> Measur
     return Measured(rate, math.sqrt(variance / spread * inflation))
 
 
+def path_slope(times_s: Array, values: Array, start_s: float, end_s: float) -> float:
+    """Slope of the straight line through a path between two times, by least squares over the time between them.
+
+    The path is linear between its points (frames,), so the slope changes smoothly with them: which frames happen to
+    lie in the window does not matter. ValueError where the path does not reach over the window, or has fewer than
+    two points in it.
+    """
+    t, v = _between(times_s, values, start_s, end_s)
+    middle = t - 0.5 * (start_s + end_s)
+    # Integral of (t - middle of the window) x value over each piece, both linear in t.
+    left, right, below, above = middle[:-1], middle[1:], v[:-1], v[1:]
+    moment = float(np.sum((right - left) * (2.0 * (left * below + right * above) + left * above + right * below))) / 6.0
+    return 12.0 * moment / (end_s - start_s) ** 3
+
+
+def path_mean(times_s: Array, values: Array, start_s: float, end_s: float) -> float:
+    """Mean of a path between two times, taken as linear between its points; ValueError as :func:`path_slope`."""
+    t, v = _between(times_s, values, start_s, end_s)
+    return float(np.sum(0.5 * (v[1:] + v[:-1]) * np.diff(t))) / (end_s - start_s)
+
+
+def _between(times_s: Array, values: Array, start_s: float, end_s: float) -> tuple[Array, Array]:
+    """The points of a path between two times, and its ends there: means of intervals end half of one too early."""
+    inside = (times_s > start_s) & (times_s < end_s)
+    short = end_s - float(times_s[-1])
+    if inside.sum() < 2 or times_s[0] > start_s or short > times_s[-1] - times_s[-2]:
+        raise ValueError(
+            f"frames from {times_s[0]:.3g} to {times_s[-1]:.3g} s do not cover {start_s:.3g} to {end_s:.3g} s"
+        )
+    first, last = np.interp([start_s, end_s], times_s, values)
+    if short > 0.0:
+        last += short * (values[-1] - values[-2]) / (times_s[-1] - times_s[-2])
+    return np.concatenate([[start_s], times_s[inside], [end_s]]), np.concatenate([[first], values[inside], [last]])
+
+
 def hann_mean(times_s: Array, values: Array, centre_s: float, half_width_s: float) -> float:
     """Mean of values (frames,) under a Hann window around ``centre_s``; ValueError without frames in it."""
     near = np.abs(times_s - centre_s) < half_width_s

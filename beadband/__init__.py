@@ -11,6 +11,8 @@ _PUBLIC = {
     "run": "api",
     "plan": "api",
     "scene": "api",
+    "ask": "api",
+    "find": "api",
     "fit": "model.fitting",
     "load": "runs.dispatch",
     "analyze": "runs.dispatch",

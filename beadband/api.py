@@ -12,8 +12,11 @@ from beadband.model.scenefile import flat_scene
 if TYPE_CHECKING:
     from beadband.planning.launch_plan import LaunchPlan
     from beadband.planning.plan import Plan
+    from beadband.runs.ask import Answer
+    from beadband.runs.ask_many import Answers
     from beadband.runs.launch_results import Launch
     from beadband.runs.results import Run
+    from beadband.studies.find import Found
 
 
 def scene(**parameters: Any) -> Scene:
@@ -46,6 +49,32 @@ def run(
     from beadband.runs import dispatch
 
     return dispatch.run(_scene(given, parameters), out, progress)
+
+
+def ask(given: Scene | None = None, *, quantity: str = "speed", **parameters: Any) -> Answer | Answers:
+    """One number of a release with its error, at the least cost: ``.value``, ``.error``, ``.unit``, ``.model``.
+
+    A scene, or the keywords of one, as in ``ask(band="III", strain=0.476, tolerance=0.001)``; with arrays among them
+    the answer is one of arrays. ``quantity`` is "speed" (V, m/s) or "curvature" (mean tip curvature in its window over
+    that of Eq. 7). UsageError for a scene that can't be used, RunError when LAMMPS fails.
+    """
+    from beadband.runs import ask as asking
+    from beadband.runs.ask_many import arrays_among, ask_many, ask_one
+
+    if given is not None:
+        return asking.ask(_scene(given, parameters), quantity)
+    values = flat_scene(parameters, "the keywords")
+    return (ask_many if arrays_among(values) else ask_one)(values, quantity)
+
+
+def find(parameter: str, *, speed: float, **parameters: Any) -> Found:
+    """The value of "strain", "half-angle", "thickness" or "circumference" for which a release has a speed, m/s.
+
+    The other keywords are those of a scene. UsageError, with the reachable range, where there is none.
+    """
+    from beadband.studies.find import find as search
+
+    return search(flat_scene(parameters, "the keywords"), parameter.replace("_", "-"), speed)
 
 
 def _scene(given: Scene | None, parameters: dict[str, Any]) -> Scene:

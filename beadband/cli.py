@@ -99,6 +99,16 @@ def build_parser() -> argparse.ArgumentParser:
     run = command("run", "one release, measured", scene=True)
     run.add_argument("--out", metavar="DIR", help="new or empty folder for the run (default: named after the scene)")
     run.add_argument("--force", action="store_true", help="start even if the predicted time or disk space is too large")
+    ask = command("ask", "one number of a release with its error, at the least cost", scene=True)
+    ask.add_argument(
+        "--quantity",
+        choices=("speed", "curvature"),
+        default="speed",
+        help="V in m/s, or the mean tip curvature in its self-similar window over that of Eq. 7 (default: speed)",
+    )
+    find = command("find", "the strain, angle or size that gives a wanted speed", scene=True)
+    find.add_argument("parameter", choices=("strain", "half-angle", "thickness", "circumference"), help="what to find")
+    find.add_argument("--speed", metavar="M_S", type=float, required=True, help="the wanted rebound speed V, m/s")
     fit = command("fit", "constants of every law from a tensile test, with errors and a picture")
     fit.add_argument("file", metavar="FILE.csv", help="the test: stretch or strain, and the nominal stress")
     fit.add_argument("--law", metavar="NAME", nargs="+", help="laws to fit (default: all)")

@@ -96,6 +96,32 @@ def run(arguments: Namespace) -> int:
     return code
 
 
+def ask(arguments: Namespace) -> int:
+    """Answer one number."""
+    from beadband.reporting import answers
+    from beadband.runs.ask_many import ask_one
+
+    found = ask_one(scene_values(arguments), arguments.quantity)
+    print(json.dumps(found.as_dict(), indent=1) if arguments.json else answers.answer(found, arguments.quantity))
+    return _noted(found.warnings)
+
+
+def find(arguments: Namespace) -> int:
+    """Find what gives a speed."""
+    from beadband.reporting import answers
+    from beadband.studies.find import find as search
+
+    found = search(scene_values(arguments), arguments.parameter, arguments.speed)
+    print(json.dumps(found.as_dict(), indent=1) if arguments.json else answers.value(found))
+    return _noted(found.warnings)
+
+
+def _noted(warnings: list[str]) -> int:
+    for one in warnings:
+        print(f"note: {one}", file=sys.stderr)
+    return 0
+
+
 _SAID_BEFORE = ("tolerance-not-expected", "speed-needs-more-beads", "frames-adjusted", "unusual-size")
 """Warnings of a plan that a user wants to read before the run, not after it."""
 

@@ -88,6 +88,8 @@ SENTENCES: dict[str, str] = {
     "usual 0.5 % would take {saved:.2g} times the beads for V",
     "loss": "loss time {value:.3g} s: {limit} of the front's time from bead to bead, enough to give it a smooth "
     "profile of a few beads, and vanishing with the mesh",
+    "loss-without-shock": "loss time {value:.3g} s: {limit:.2g} of the front's time from bead to bead; this law "
+    "unloads without a shock, so the loss vanishes with the square of the spacing",
     "step": "step {step_s:.3g} s: {value:.2f} of the largest stable one, {steps} steps to {end_s:.4g} s, {end:.2f} of "
     "the front's arrival",
     "no-bending": "no bending: --bending-scale is 0",
@@ -156,6 +158,9 @@ SENTENCES: dict[str, str] = {
     "no-second-run": "the error of the rebound speed is the expected one, because there is no coarse run to estimate "
     "it from ({why})",
     "above-tolerance": "the error of the rebound speed, {value:{digits}p}, is above the tolerance of {limit:{digits}p}",
+    "ladder-ends": "the error of the answer, {value:{digits}p}, is above the tolerance of {limit:{digits}p}: it is the "
+    "best to be had, with {beads:.0f} beads; a finer level would take too long",
+    "several-roots": "{value} values of {name} give this speed: this is the lowest; the next is near {limit:.4g}",
     "no-arrival": "the rear did not reach the finger within {value:.4g} s: there is no pause to report",
     "hit-while-loaded": "the rear reached the finger before the finger had been free of load for {value:.3g} s: there "
     "is no pause, the hand is hit",

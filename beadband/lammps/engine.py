@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Mapping
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -137,6 +138,27 @@ class Session:
         finally:
             os.chdir(before)
             self.runs_s += time.perf_counter() - start
+
+
+_lock = threading.Lock()
+_kept: list[tuple[int, Session]] = []
+
+
+@contextmanager
+def kept_session() -> Iterator[Session]:
+    """The one session that a process keeps for its questions, opened with the first; another where it is in use."""
+    if not _lock.acquire(blocking=False):
+        with Session() as own:
+            yield own
+        return
+    try:
+        # A fork has a session of its own: that of its parent is not to be touched.
+        if not _kept or _kept[0][0] != os.getpid():
+            _kept[:] = [(os.getpid(), Session())]
+            atexit.register(_kept[0][1].close)
+        yield _kept[0][1]
+    finally:
+        _lock.release()
 
 
 def _open(package: Any, arguments: list[str], comm: Any = None) -> Any:

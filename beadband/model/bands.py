@@ -56,7 +56,7 @@ class Section:
         if self.kind == "given":
             assert self.given_area_m2 is not None
             return self.given_area_m2
-        return (self.width_m or h) * h
+        return (h if self.width_m is None else self.width_m) * h
 
     @property
     def second_moment_m4(self) -> float:
@@ -70,7 +70,7 @@ class Section:
         if self.kind == "given":
             assert self.given_second_moment_m4 is not None
             return self.given_second_moment_m4
-        return (self.width_m or h) * h**3 / 12.0
+        return (h if self.width_m is None else self.width_m) * h**3 / 12.0
 
 
 @dataclass(frozen=True)

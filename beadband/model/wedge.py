@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 from beadband.model.bands import Band
 from beadband.model.laws import Law, UnloadingWave
@@ -50,6 +51,11 @@ class StringLimit:
     """The whole unloading wave, of which the front is the foremost point."""
 
 
+def rear_speed_m_s(particle_m_s: Any, sine: Any, cosine: Any) -> Any:
+    """V = u cos(phi)/(1 - sin(phi)), u the speed of the leg along itself; floats or arrays."""
+    return particle_m_s * cosine / (1.0 - sine)
+
+
 @lru_cache(maxsize=256)
 def string_limit(law: Law, density_kg_m3: float, strain: float, half_angle_rad: float) -> StringLimit:
     """Solve u sin(phi) = k (1 - sin(phi)), k = sqrt(stress1 stretch1/density), for the stretch behind the front.
@@ -83,7 +89,7 @@ def string_limit(law: Law, density_kg_m3: float, strain: float, half_angle_rad: 
         residual_strain=behind - 1.0,
         residual_stress_pa=float(law.stress(behind)),
         leg_speed_m_s=wave.particle_speed_m_s,
-        rear_speed_m_s=wave.particle_speed_m_s * math.cos(half_angle_rad) / (1.0 - sine),
+        rear_speed_m_s=rear_speed_m_s(wave.particle_speed_m_s, sine, math.cos(half_angle_rad)),
         front_speed_m_s=wave.front_speed_m_s,
         wave=wave,
     )

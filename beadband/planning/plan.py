@@ -23,7 +23,10 @@ FEWEST_LEG_BONDS = 8
 STEP_SHARE = 0.65
 """Share of the largest stable step that is used."""
 LOSS_BEADS = 0.2
-"""Viscosity of the numerical loss over (spacing x density x front speed)."""
+"""Viscosity of the numerical loss over (spacing x density x front speed): what a shock needs at every spacing."""
+SMOOTH_RESOLUTION = 24.0
+"""Beads in the rear from which on a law that unloads without a shock gets less: the loss falls as the spacing does, and
+what it makes of the answer with the second order. Below, beads of any law need the whole of it."""
 
 # How far up a leg a disturbance can have run and come back from, beyond what the front alone reaches: bending waves run
 # ahead of the front; so many bending layers, and that share of the leg, take their echo below 1e-4 of V.
@@ -278,8 +281,13 @@ def _choose_loss(scene: Scene, strand: Strand, reasons: list[Notice]) -> tuple[f
     front_loss_s = strand.spacing_m * band.density_kg_m3 * scene.string.wave.tail_speed_m_s / band.modulus_pa
     if scene.loss_time_s is not None:
         return scene.loss_time_s, scene.loss_time_s / front_loss_s
-    reasons.append(notice("loss", value=LOSS_BEADS * front_loss_s, limit=LOSS_BEADS))
-    return LOSS_BEADS * front_loss_s, LOSS_BEADS
+    resolution = scene.scales.rear_length_m / strand.spacing_m
+    if scene.string.wave.shocks or resolution <= SMOOTH_RESOLUTION:
+        reasons.append(notice("loss", value=LOSS_BEADS * front_loss_s, limit=LOSS_BEADS))
+        return LOSS_BEADS * front_loss_s, LOSS_BEADS
+    loss_beads = LOSS_BEADS * SMOOTH_RESOLUTION / resolution
+    reasons.append(notice("loss-without-shock", value=loss_beads * front_loss_s, limit=loss_beads))
+    return loss_beads * front_loss_s, loss_beads
 
 
 def _dependence_share(scene: Scene, end_s: float) -> float:

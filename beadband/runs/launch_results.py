@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from beadband.analysis.contact import LaunchMeasurement
+from beadband.analysis.convergence import plain_error
 from beadband.analysis.energy import LaunchBalance
 from beadband.analysis.fits import Array, Measured
 from beadband.analysis.readers import Watch
@@ -100,16 +101,19 @@ class Launch(Run):
     def figures(self) -> dict[str, Measured | float | None]:
         """What the launch gave, by the names of results.json, with errors where they are known.
 
-        The errors are the differences to the other number of beads: of whichever order those fall, the finer run is
-        closer than that. That of the finger's freedom adds its own.
+        The errors come from the other number of beads (:func:`beadband.analysis.convergence.plain_error`), with that
+        expected of the rebound speed as a floor. That of the finger's freedom adds its own.
         """
-        found, coarse = self.found, self.launch_estimate
+        found, other = self.found, self.launch_estimate
         values = {name: getattr(found, name) for name in _COMPARED}
-        errors = {
-            name: abs(value - getattr(coarse, name))
-            for name, value in values.items()
-            if value is not None and getattr(coarse, name, None) is not None
-        }
+        errors: dict[str, float] = {}
+        if isinstance(other, LaunchEstimate):
+            spacing = 1.0 / np.array([self.plan.beads, other.beads])
+            for name, value in values.items():
+                beside = getattr(other, name)
+                if value is not None and beside is not None:
+                    floor = self.plan.speed_error * abs(value)
+                    errors[name] = plain_error(spacing, np.array([value, beside]), floor)
         pause = found.pause_s
         if found.free is not None:
             for name in {"finger_free_s", "pause_s"} & errors.keys():

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from beadband.analysis.curvature import Decay, decay
-from beadband.analysis.fits import Measured, slope
+from beadband.analysis.fits import Measured, path_slope, slope
 from beadband.analysis.readers import ReadError, Trajectory
 from beadband.analysis.rear import Rear, rear_of
 from beadband.errors import BeadbandError, RunError, UsageError, explain
@@ -46,7 +46,9 @@ def measure(plan: Plan, trajectory: Trajectory) -> Measurement:
     rear = measure_rear(plan, trajectory)
     start, end = (share * plan.front_arrival_s for share in SPEED_WINDOW)
     try:
-        speed = slope(rear.times_s, rear.tip_x_m, start, end)
+        speed = Measured(
+            path_slope(rear.times_s, rear.tip_x_m, start, end), slope(rear.times_s, rear.tip_x_m, start, end).error
+        )
     except ValueError as error:
         raise UsageError(
             explain("the rebound speed can't be measured", str(error), "4 frames or more", "use more beads or frames")

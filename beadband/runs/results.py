@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from beadband import observables
+from beadband.analysis.convergence import plain_error
 from beadband.analysis.energy import Balance
 from beadband.analysis.fits import Measured
 from beadband.analysis.rear import Rear
@@ -76,25 +77,35 @@ class Curvature:
     """Curvature over that of Eq. 7, mean over the window."""
 
 
-def joined_error_m_s(speed: Measured, estimate: Estimate | NoEstimate, predicted: float) -> float:
-    """Error of a rebound speed, m/s: of the fit, of the run itself and of its measured curve, as independent ones.
+SPEED_ORDER, DECAY_ORDER = 1.0, 2.0
+"""Least orders with which a release's speed (first-order loss) and the decay of its curvature converge."""
 
-    Half of the difference to the run with half the beads, for errors fall at least in proportion to the spacing, and
-    the relative error ``predicted`` that 95 % of scenes stay below. Together they cover 98 to 99 % of scenes
-    (tests/validation/random_scenes.py).
+
+def joined_error_m_s(speed: Measured, beads: int, estimate: Estimate | NoEstimate, predicted: float) -> float:
+    """Error of the rebound speed of a run with so many beads, m/s (:func:`beadband.analysis.convergence.plain_error`).
+
+    Of the fit, of the difference to the coarse run, and the relative error ``predicted`` that 95 % of scenes stay
+    below. Together they cover 98 % of scenes or more (tests/validation/random_scenes.py).
     """
-    coarse = estimate.speed_m_s if isinstance(estimate, Estimate) else speed.value
-    return math.hypot(speed.error, predicted * abs(speed.value), 0.5 * (coarse - speed.value))
+    coarse = (estimate.beads, estimate.speed_m_s) if isinstance(estimate, Estimate) else None
+    return _level_error(beads, speed.value, coarse, SPEED_ORDER, math.hypot(speed.error, predicted * speed.value))
 
 
-def _decay_error(fit: Measured, coarse: float | None, predicted: float) -> Measured:
+def _decay_error(fit: Measured, beads: int, estimate: Estimate | NoEstimate, name: str, predicted: float) -> Measured:
     """A value of the curvature's decay with its whole error.
 
-    Of the fit (twice its standard error, for a ringing decay has few independent points), of the run itself (of the
-    second order in the spacing: a third of the difference to half the beads), and the predicted one.
+    The fit counts with twice its standard error, for a ringing decay has few independent points.
     """
-    difference = 0.0 if coarse is None else (coarse - fit.value) / 3.0
-    return Measured(fit.value, math.hypot(2.0 * fit.error, predicted, difference))
+    value = getattr(estimate, name, None)
+    coarse = (estimate.beads, value) if isinstance(estimate, Estimate) and value is not None else None
+    floor = math.hypot(2.0 * fit.error, predicted)
+    return Measured(fit.value, _level_error(beads, fit.value, coarse, DECAY_ORDER, floor))
+
+
+def _level_error(beads: int, value: float, coarse: tuple[int, float] | None, order: float, floor: float) -> float:
+    levels = [(beads, value), *([coarse] if coarse is not None and coarse[0] != beads else [])]
+    counts, values = np.array(levels).T
+    return plain_error(1.0 / counts, values, floor, order)
 
 
 @dataclass(frozen=True, repr=False)
@@ -123,12 +134,12 @@ class RearRun:
     def speed(self) -> Measured:
         """Rebound speed, m/s, with its whole error: of the fit, of discretisation and step, and the expected one."""
         fitted = self.measurement.fitted_speed_m_s
-        return Measured(fitted.value, joined_error_m_s(fitted, self.estimate, self.plan.speed_error))
+        return Measured(fitted.value, joined_error_m_s(fitted, self.plan.beads, self.estimate, self.plan.speed_error))
 
     @cached_property
     def curvature(self) -> Curvature | None:
         """Decay of the tip curvature with whole errors; None where there is no window (``measurement.no_decay``)."""
-        found, coarse = self.measurement, self.estimate
+        found, coarse, beads = self.measurement, self.estimate, self.plan.beads
         if found.decay is None:
             return None
         start, end = found.window.start_s, found.window.end_s
@@ -137,8 +148,8 @@ class RearRun:
         exponent, ratio = found.decay.exponent, found.decay.eq7_ratio
         return Curvature(
             (start, end),
-            _decay_error(exponent, getattr(coarse, "exponent", None), share / math.log(end / start)),
-            _decay_error(ratio, getattr(coarse, "eq7_ratio", None), share * ratio.value),
+            _decay_error(exponent, beads, coarse, "exponent", share / math.log(end / start)),
+            _decay_error(ratio, beads, coarse, "eq7_ratio", share * ratio.value),
         )
 
     @cached_property

@@ -42,7 +42,7 @@ def codes(plan: Plan) -> set[str]:
 def test_planned_speed_is_within_tolerance_and_error_bar(values: dict[str, Any], session: Session) -> None:
     plan = plan_of(scene_of({**values, "for": "speed"}), "leg")
     found = follow_rear(plan, session).fitted_speed_m_s
-    bar = joined_error_m_s(found, estimate_of(plan, session), plan.speed_error)
+    bar = joined_error_m_s(found, plan.beads, estimate_of(plan, session), plan.speed_error)
     finer = plan_of(scene_of({**values, "for": "speed", "beads": min(6 * plan.beads, 4000)}), "leg")
     error = abs(found.value - follow_rear(finer, session).fitted_speed_m_s.value)
     assert error < plan.scene.tolerance * found.value

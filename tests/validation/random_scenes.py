@@ -63,13 +63,15 @@ def judge(values: dict[str, Any]) -> list[dict[str, Any]]:
                 break
             ladder.append((plan, follow_rear(plan, session).fitted_speed_m_s.value))
         (before, slow), (last, fast) = ladder[-2:]
-        true = fast + (fast - slow) * before.beads / (last.beads - before.beads)
+        # Of the order of the loss.
+        order = 1.0 if scene.string.wave.shocks else 2.0
+        true = fast + (fast - slow) / ((last.beads / before.beads) ** order - 1.0)
         for tolerance in TOLERANCES:
             plan = plan_of(scene_of({**values, "tolerance": tolerance}), "leg")
             start = time.perf_counter()
             found = follow_rear(plan, session).fitted_speed_m_s
             middle = time.perf_counter()
-            bar = joined_error_m_s(found, estimate_of(plan, session), plan.speed_error)
+            bar = joined_error_m_s(found, plan.beads, estimate_of(plan, session), plan.speed_error)
             end = time.perf_counter()
             cheapest = ladder[-1][0]
             for tried, speed in reversed(ladder):

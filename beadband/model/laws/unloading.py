@@ -75,6 +75,11 @@ class UnloadingWave(NamedTuple):
         return f"{SHOCK} and {FAN}" if len(kinds) > 1 else next(iter(kinds), "")
 
     @property
+    def shocks(self) -> bool:
+        """Whether any part of it is a shock, which turns energy into heat at any spacing."""
+        return any(part.kind == SHOCK for part in self.parts)
+
+    @property
     def tail_speed_m_s(self) -> float:
         """Speed of its last point, in reference length."""
         return self.parts[-1].tail_speed_m_s if self.parts else self.front_speed_m_s
@@ -141,14 +146,15 @@ def _loss(curve: Curve, low: float, high: float) -> float:
 
 
 @cache
-def _gauss() -> tuple[Array, Array]:
+def gauss_points() -> tuple[Array, Array]:
+    """Nodes and weights of Gauss's rule between 0 and 1."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     return 0.5 * (nodes + 1.0), 0.5 * weights
 
 
 def _fan(curve: Curve, low: float, high: float) -> float:
     """Integral of sqrt(tangent) between two stretches."""
-    nodes, weights = _gauss()
+    nodes, weights = gauss_points()
     panels, before = 2, math.inf
     while True:
         width = (high - low) / panels

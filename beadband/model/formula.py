@@ -1,0 +1,121 @@
+"""Answers without a run, for many scenes at once: the exact string limit times the measured correction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beadband.errors import UsageError, explain
+from beadband.model import correction
+from beadband.model.scales import FORGOTTEN_AFTER, WINDOW_BEFORE
+from beadband.model.scene import Scene
+from beadband.model.string_arrays import string_limits
+from beadband.model.validity import check_validity
+
+Array = NDArray[np.float64]
+
+VARIED = ("strain", "half_angle_deg", "circumference_m", "thickness_m", "width_m", "density_kg_m3")
+"""Inputs that may be arrays: with one law they make scenes that share all else."""
+
+
+class Formula(NamedTuple):
+    """Answers by formula; arrays of one shape."""
+
+    value: Array
+    error: Array
+    """Bound that holds 98 % of the true errors, in the unit of the value; infinite where there is no correction."""
+
+
+def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None) -> Formula:
+    """Answers for a scene, or for copies of it with other values of :data:`VARIED` (floats or arrays that broadcast).
+
+    "speed" is V in m/s, "curvature" the mean tip curvature in its window over that of Eq. 7. UsageError where one of
+    the scenes has no answer.
+    """
+    given = _arrays(scene, varied or {})
+    numbers, speed = _numbers(scene, given)
+    shape = speed.shape
+    found = (correction.speed_correction if quantity == "speed" else correction.curvature_correction)(numbers)
+    value = (1.0 + found.delta.reshape(shape)) * (speed if quantity == "speed" else 1.0)
+    return Formula(value, np.where(found.inside, found.error, math.inf).reshape(shape) * np.abs(value))
+
+
+def shares_law(scene: Scene) -> bool:
+    """Whether the scene's law is the same for every held stretch, so that scenes of other strains may be made of it."""
+    return type(scene.material).__name__ not in ("Softened", "Unloading")
+
+
+def _arrays(scene: Scene, varied: Mapping[str, Any]) -> dict[str, Array]:
+    """All of :data:`VARIED` as arrays of one shape, checked."""
+    own = {"strain": scene.strain, "half_angle_deg": scene.half_angle_deg, **scene.band.properties()}
+    names = [key for key in VARIED if own.get(key) is not None or key in varied]
+    arrays = np.broadcast_arrays(*(np.asarray(varied.get(key, own.get(key)), dtype=np.float64) for key in names))
+    given = dict(zip(names, arrays, strict=True))
+    strain, phi = given["strain"], np.radians(given["half_angle_deg"])
+    held, peak = 1.0 + strain, _longest_held(scene)
+    leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
+    thickness = given["thickness_m"]
+    refused = (held * np.sin(phi) >= 1.0) | (held >= peak)
+    if scene.bending_scale > 0.0:
+        refused |= (leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg / held <= thickness)
+    if np.any(refused):
+        from beadband.model.scene import scene_of
+
+        at = int(np.flatnonzero(refused)[0])
+        changed = {key: float(given[key].ravel()[at]) for key in varied}
+        check_validity(scene_of({**scene.as_dict(), **changed}))
+        raise UsageError(explain("a scene has no answer", changed, "a wedge that can be held", "leave it out"))
+    return {**given, "leg_m": leg / held, "half_angle_rad": phi}
+
+
+@lru_cache(maxsize=256)
+def _limits_of(law: Any) -> float:
+    peak, longest = law.peak_stretch(), law.longest_stretch()
+    return min(math.inf if peak is None else peak, math.inf if longest is None else longest)
+
+
+def _longest_held(scene: Scene) -> float:
+    """Stretch from which on the law of a scene can't be held."""
+    return float(_limits_of(scene.material))
+
+
+def _numbers(scene: Scene, given: Mapping[str, Array]) -> tuple[Array, Array]:
+    """The features of :mod:`beadband.model.correction`, shape (scenes, features), and V of the string limits, m/s."""
+    law, band = scene.material, scene.band
+    strain, phi, density, leg = (given[key] for key in ("strain", "half_angle_rad", "density_kg_m3", "leg_m"))
+    string = string_limits(law, density, strain, phi)
+    sizes: dict[str, Any] = {"thickness_m": given["thickness_m"], "width_m": given.get("width_m")}
+    section: Any = replace(band.section, **sizes)
+    stiffness = scene.bending_stiffness_n_m2 / band.second_moment_m4 * section.second_moment_m4
+    diffusivity = np.sqrt(stiffness / (density * section.area_m2))
+    held, behind = 1.0 + strain, 1.0 + string.residual_strain
+    stress = np.asarray(law.stress(held), dtype=np.float64)
+    inertia = density * string.front_speed_m_s**2
+    arrival = leg / string.front_speed_m_s
+    layer2 = stiffness / (section.area_m2 * stress * held)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spread = np.sqrt(diffusivity * arrival)
+        crossover = diffusivity * density * behind / string.residual_stress_pa
+        bar_speed = np.sqrt(band.modulus_pa / density)
+        start = np.maximum(given["thickness_m"] / bar_speed, FORGOTTEN_AFTER * layer2 / diffusivity)
+        end = np.where(diffusivity > 0.0, np.minimum(WINDOW_BEFORE * crossover, arrival), math.nan)
+        columns = [
+            np.log(strain),
+            phi,
+            np.log(spread / leg),
+            np.log(string.residual_strain),
+            np.log(stress / (inertia * strain)),
+            np.log(crossover / arrival),
+            np.log(law.tangent(behind) / inertia),
+            np.broadcast_to(law.tangent(held), strain.shape) / inertia,
+            np.log(string.mean_speed_ratio),
+            np.log(start / arrival),
+            np.log(end / arrival),
+        ]
+    return np.stack([np.ravel(one) for one in columns], axis=1), string.rear_speed_m_s

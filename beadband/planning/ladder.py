@@ -1,0 +1,191 @@
+"""The ladder to one number: what each level of beads would cost and state, and which one to run next.
+
+A level is a number of beads, four of them to a factor of two. What the errors of a level are like was measured on 180
+random scenes (all bands, both laws, thickness 0.5-3 mm) released with 24 to 1090 beads in the rear: one part falls with
+a clean order (first where a shock needs loss, second elsewhere), another changes from level to level as if by chance,
+and less the better the bending layer is resolved. :func:`beadband.analysis.convergence.limit_of` joins the levels:
+their mean is carried on to no spacing as far as the first part stands out of the second.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beadband.analysis.convergence import Limit, limit_of
+from beadband.planning import error_curves
+from beadband.planning.plan import FEWEST_LEG_BONDS, LONGEST_LAYER, Plan, plan_of
+
+if TYPE_CHECKING:
+    from beadband.model.scene import Scene
+
+Array = NDArray[np.float64]
+
+COVERS = 4.2
+"""Standard errors in a stated error: so many hold 98.5 % of the true ones, whose distribution has long tails."""
+FORMULA_COVERS = 2.4
+"""The same in the bar of the formula."""
+AIM = 0.8
+"""Share of the tolerance that a level is expected to state before it is run: levels may scatter more than expected."""
+MOST_BEADS = 24_000
+MOST_SECONDS = 120.0
+"""Beads and predicted seconds of a level beyond which the ladder ends."""
+_NOISE, _NOISE_ORDER, _UNRESOLVED, _RESOLVED = 2.0e-4, 1.26, 0.34, 0.73
+_DRIFT = {1.0: 3.2e-4, 2.0: 2.1e-4}
+_BEADS_IN_REAR = 100.0
+"""Relative standard errors of V with 100 beads in the rear and one to the bending layer, by maximum likelihood; the
+noise falls with powers of the beads in the rear, and of those to the layer, below one and above."""
+_CURVATURE_NOISE, _CURVATURE_DRIFT = 0.010, 0.006
+"""The same of the windowed tip curvature with one bead to the bending layer; both fall with the second order."""
+_RING_COARSENESS = 1.6
+"""Errors of a ring, which turns its tip at one bead, over those of a leg."""
+_CUT_LEG, _WHOLE_LEG, _LEG_SPREAD = 1.2e-4, 7e-5, 0.09
+"""Bounds of the difference of V between one leg and the ring: cut where the disturbance ends, and whole, where the
+bending spread is 0.09 of the leg. Short bending waves run ahead of the front and come back from the finger; measured
+with 800 to 1600 beads, where whole legs differ by 0.3e-4 to 0.9e-4."""
+WHOLE_FROM = 1e-3
+"""Tolerance below which the leg is taken up to the finger, and three levels must agree."""
+_OCTAVE = 4
+"""Levels from a number of beads to its double."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """One number of a scene, and how well it is asked for."""
+
+    scene: Scene
+    """Without beads or steps."""
+    quantity: str
+    """"speed" or "curvature"."""
+    tolerance: float
+
+    @property
+    def model(self) -> str:
+        """The cheapest model that will do: "leg", or "ring" where the held tip bends over much of the leg."""
+        scales, leg = self.scene.scales, self.scene.wedge.reference_leg_m
+        short = scales.bending_layer_m > LONGEST_LAYER * leg
+        return "ring" if short or self._leg_error > 0.5 * self.tolerance else "leg"
+
+    @property
+    def _leg_error(self) -> float:
+        if self.quantity == "curvature":
+            return 0.0
+        if self.tolerance >= WHOLE_FROM:
+            return _CUT_LEG
+        spread = self.scene.scales.bending_spread_m / self.scene.wedge.reference_leg_m
+        return _WHOLE_LEG * max(spread / _LEG_SPREAD, 0.3) ** 2
+
+    @property
+    def model_error(self) -> float:
+        """Relative error bound of the number from the model alone."""
+        return self._leg_error if self.model == "leg" else 0.0
+
+    @property
+    def order(self) -> float:
+        """Order of the clean part of the errors."""
+        return 1.0 if self.quantity == "speed" and self.scene.string.wave.shocks else 2.0
+
+    @property
+    def least_beads(self) -> int:
+        """Beads of the coarsest level."""
+        scene, length = self.scene, self.scene.band.circumference_m
+        fewest = [FEWEST_LEG_BONDS * length / scene.wedge.reference_leg_m, 24.0]
+        if self.quantity == "speed":
+            fewest.append(2.0 * error_curves.LEAST_RESOLUTION * length / scene.scales.rear_length_m)
+        else:
+            fewest.append(length / (error_curves.COARSEST_SPACING * scene.scales.bending_layer_m))
+        return 2 * math.ceil(0.5 * max(fewest))
+
+    def beads(self, level: int) -> int:
+        """Beads of a level, from 0."""
+        return 2 * round(0.5 * self.least_beads * float(2.0 ** (level / _OCTAVE)))
+
+    def errors(self, beads: Array) -> tuple[Array, Array, float]:
+        """Spacings in the unit of the drift, relative noise of each level, and the drift, for :func:`limit_of`."""
+        scene = self.scene
+        spacing = scene.band.circumference_m / beads
+        layer = scene.scales.bending_layer_m
+        if self.quantity == "curvature":
+            coarse = spacing / layer
+            return coarse, _CURVATURE_NOISE * coarse**2, _CURVATURE_DRIFT
+        coarse = _BEADS_IN_REAR * spacing / scene.scales.rear_length_m
+        share = spacing / layer if layer > 0.0 else np.ones_like(spacing)
+        bent = share ** np.where(share > 1.0, _UNRESOLVED, _RESOLVED)
+        worse = _RING_COARSENESS if self.model == "ring" else 1.0
+        return coarse, worse * _NOISE * coarse**_NOISE_ORDER * bent, worse * _DRIFT[self.order]
+
+    def limit(self, beads: Array, values: Array, known: tuple[float, float] | None = None) -> Limit:
+        """What levels with so many beads say, finest first; ``known`` is the formula's value and standard error."""
+        spacing, noise, drift = self.errors(beads)
+        return limit_of(spacing, values, noise, drift, self.order, known)
+
+    def stated(self, limit: Limit) -> float:
+        """The error that an answer states, in the unit of its value."""
+        return math.hypot(COVERS * limit.error, self.model_error * abs(limit.value))
+
+    def expected(self, levels: tuple[int, ...], known: float | None) -> float:
+        """Relative error that levels would state if they scattered as expected, beside a formula's standard error."""
+        beads = np.array([self.beads(one) for one in levels], dtype=np.float64)
+        limit = self.limit(beads, np.ones(len(beads)), None if known is None else (1.0, known))
+        return self.stated(limit)
+
+    def plan(self, level: int) -> Plan:
+        """The plan of a level."""
+        wanted = replace(self.scene, purpose=self.quantity, tolerance=max(self.tolerance, 1e-6))
+        plan = plan_of(wanted.with_beads(self.beads(level)), self.model)
+        if plan.model == "leg" and self.tolerance < WHOLE_FROM:
+            whole = math.ceil(self.scene.wedge.reference_leg_m / plan.strand.spacing_m)
+            plan = replace(plan, leg_bonds=max(plan.leg_bonds, whole))
+        return plan
+
+    def seconds(self, level: int) -> float:
+        """Predicted seconds of a level, without making its plan: beads x steps, and steps by the stiffest mode."""
+        strand = self.scene.strand(self.beads(level))
+        largest = strand.largest_step_s(0.0, self.scene.strain, 0.75)
+        steps = self.scene.scales.front_arrival_s / (0.6 * largest)
+        share = 1.0 if self.model == "ring" else self.scene.wedge.reference_leg_m / self.scene.band.circumference_m
+        return error_curves.seconds(self.model, round(share * self.beads(level)), round(steps), 0)
+
+
+@dataclass(frozen=True)
+class Step:
+    """What to run next."""
+
+    levels: tuple[int, ...]
+    """Coarsest first."""
+    error: float
+    """Relative error that is expected to be stated after it."""
+    seconds: float
+
+
+def next_step(question: Question, done: tuple[int, ...], known: float | None) -> Step | None:
+    """The cheapest levels, beyond those done, that are expected to state the tolerance; None at the ladder's end.
+
+    The first time the finest level comes with that of half its beads, and below :data:`WHOLE_FROM` with the one between
+    them. Later it is a finer level, whatever was expected: the levels at hand know better.
+    """
+    if done:
+        finer = max(done) + _OCTAVE // 2
+        if not _affordable(question, finer):
+            return None
+        levels = (finer, *sorted(done, reverse=True))
+        return Step((finer,), question.expected(levels, known), question.seconds(finer))
+    best: Step | None = None
+    for level in range(_OCTAVE, 20 * _OCTAVE):
+        if not _affordable(question, level):
+            break
+        half = level - _OCTAVE
+        levels = (half, level) if question.tolerance >= WHOLE_FROM else (half, level - _OCTAVE // 2, level)
+        error = question.expected(levels[::-1], known)
+        if error <= AIM * question.tolerance or not _affordable(question, level + 1):
+            best = Step(levels, error, sum(question.seconds(one) for one in levels))
+            break
+    return best
+
+
+def _affordable(question: Question, level: int) -> bool:
+    return question.beads(level) <= MOST_BEADS and question.seconds(level) <= MOST_SECONDS

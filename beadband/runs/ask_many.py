@@ -1,0 +1,173 @@
+"""The same question for many scenes: arrays in, arrays out; by formula all at once, the rest by runs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from contextlib import nullcontext
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beadband.errors import UsageError, explain
+from beadband.lammps.engine import Session, kept_session
+from beadband.model.formula import VARIED, formula, shares_law
+from beadband.model.laws import LAWS
+from beadband.model.scene import Scene, scene_of
+from beadband.parameters import TABLE, checked
+from beadband.runs.ask import UNITS, Answer, answer_by_formula, ask, question_of
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Answers:
+    """Numbers with their errors; arrays of the shape to which the inputs broadcast."""
+
+    value: Array
+    error: Array
+    """Bounds that hold 98 % of the true errors, in the unit of the values."""
+    unit: str
+    model: NDArray[np.str_]
+    """"formula", "leg" or "ring"."""
+    runs: NDArray[np.int64]
+    beads: NDArray[np.int64]
+    seconds: float
+    """Of all of them."""
+    within_tolerance: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.value)
+
+
+def arrays_among(values: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
+    """Those values of a scene, by their keys, that stand for many scenes."""
+    return {
+        key: np.asarray(value)
+        for key, value in values.items()
+        if isinstance(value, (list, tuple, np.ndarray)) and key in TABLE and TABLE[key].kind != "numbers"
+    }
+
+
+def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Session | None = None) -> Answers:
+    """Answers for the scenes that values with arrays among them make, in the order of the arrays.
+
+    Sizes, strains, angles and densities may vary within one evaluation of the formula; for every other value with
+    several entries the scenes are taken one kind after another. What the formula does not reach is run, scene by scene.
+    UsageError as :func:`beadband.runs.ask.ask`, for the first scene that has no answer.
+    """
+    start = time.perf_counter()
+    arrays = arrays_among(values)
+    shape = np.broadcast_shapes(*(one.shape for one in arrays.values()))
+    flat = {key: np.broadcast_to(one, shape).ravel() for key, one in arrays.items()}
+    plain = {key: value for key, value in values.items() if key not in arrays}
+    size = int(np.prod(shape))
+    if size == 0:
+        raise UsageError(explain("there is nothing to ask", f"arrays of shape {shape}", "one scene or more", "add one"))
+    value, error = np.zeros(size), np.full(size, np.inf)
+    model, runs, beads = np.full(size, "formula"), np.zeros(size, dtype=np.int64), np.zeros(size, dtype=np.int64)
+    within = np.ones(size, dtype=bool)
+    others = {key: one for key, one in flat.items() if key not in (*VARIED, "tolerance")}
+    for chosen in _kinds(others, size):
+        first = chosen[0]
+        own = {**plain, **{key: one[first].item() for key, one in flat.items()}}
+        scene = scene_of(own)
+        if not _by_formula(scene):
+            continue
+        varied = {key: _checked(key, one[chosen]) for key, one in flat.items() if key in VARIED}
+        found = formula(scene, quantity, varied)
+        value[chosen], error[chosen] = found.value, found.error
+    tolerance = _checked("tolerance", flat["tolerance"]) if "tolerance" in flat else scene.tolerance
+    left = np.flatnonzero(error > tolerance * np.abs(value))
+    if len(left):
+        with kept_session() if session is None else nullcontext(session) as shared:
+            for at in left.tolist():
+                one = ask(scene_of({**plain, **{key: each[at].item() for key, each in flat.items()}}), quantity, shared)
+                value[at], error[at], model[at], runs[at], beads[at] = (
+                    one.value,
+                    one.error,
+                    one.model,
+                    one.runs,
+                    one.beads,
+                )
+                within[at] = one.within_tolerance
+    return Answers(
+        value=value.reshape(shape),
+        error=error.reshape(shape),
+        unit=UNITS[quantity],
+        model=model.reshape(shape),
+        runs=runs.reshape(shape),
+        beads=beads.reshape(shape),
+        seconds=time.perf_counter() - start,
+        within_tolerance=within.reshape(shape),
+    )
+
+
+def _kinds(others: Mapping[str, NDArray[Any]], size: int) -> list[NDArray[np.int64]]:
+    """Places of the scenes that share the values of ``others``, one array for each kind."""
+    if not others:
+        return [np.arange(size)]
+    codes = np.stack([np.unique(one, return_inverse=True)[1] for one in others.values()])
+    kind = np.unique(codes, axis=1, return_inverse=True)[1].ravel()
+    return [np.flatnonzero(kind == number) for number in range(int(kind.max()) + 1)]
+
+
+def _checked(key: str, values: NDArray[Any]) -> Array:
+    """Numbers of a parameter, each in its range; UsageError for the first that is not."""
+    if values.dtype.kind not in "fiu":
+        checked(key, values[0].item())
+    numbers = values.astype(np.float64)
+    least, most = float(numbers.min()), float(numbers.max())
+    one = TABLE[key]
+    if not (one.holds(least) and one.holds(most)):
+        wrong = next(each for each in numbers.tolist() if not one.holds(each))
+        checked(key, wrong)
+    return numbers
+
+
+def ask_one(values: Mapping[str, Any], quantity: str = "speed", session: Session | None = None) -> Answer:
+    """The answer for one scene, given by its values.
+
+    As :func:`beadband.runs.ask.ask`; where the formula will do, scenes that differ in :data:`VARIED` alone share the
+    checks of all the rest.
+    """
+    start = time.perf_counter()
+    varied = {key: checked(key, one) for key, one in values.items() if key in VARIED and isinstance(one, (int, float))}
+    rest = {key: one for key, one in values.items() if key not in varied}
+    base = _base(tuple(sorted(rest.items())), tuple(sorted(varied.items()))) if _plain(rest) else None
+    if base is not None:
+        value, error = formula(base, quantity, varied)
+        if float(error) <= base.tolerance * abs(float(value)):
+            return answer_by_formula(base, quantity, float(value), float(error), varied, start)
+    return ask(scene_of(values), quantity, session)
+
+
+_bases: dict[tuple[Any, ...], Scene | None] = {}
+"""Scenes that stand for all of a kind."""
+_MOST_BASES = 512
+
+
+def _plain(rest: Mapping[str, Any]) -> bool:
+    """Whether the values say all about a kind of scene: none is a list, or names a file, which may change."""
+    files = ("band_file", *(key for key in rest if key in TABLE and TABLE[key].kind == "path"))
+    return all(isinstance(one, (str, int, float)) for one in rest.values()) and not any(key in rest for key in files)
+
+
+def _base(rest: tuple[tuple[str, Any], ...], varied: tuple[tuple[str, Any], ...]) -> Scene | None:
+    """The scene of these values, or another of the same kind; None for a kind whose scenes share no formula."""
+    # A law may be registered again under its name.
+    key = (rest, tuple(name for name, _ in varied), LAWS.get(dict(rest).get("law", "")))
+    if key not in _bases:
+        if len(_bases) >= _MOST_BASES:
+            _bases.clear()
+        scene = scene_of(dict((*rest, *varied)))
+        _bases[key] = scene if _by_formula(scene) else None
+    return _bases[key]
+
+
+def _by_formula(scene: Scene) -> bool:
+    """Whether scenes that differ from this one in sizes, strain and angle have answers by one evaluation."""
+    question_of(scene, "speed")
+    return shares_law(scene) and not (scene.errors or scene.covariance or scene.auto_tolerance)

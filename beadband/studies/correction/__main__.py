@@ -1,0 +1,32 @@
+"""``python -m beadband.studies.correction``: the map of ``beadband/model/correction.json`` again."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+
+from beadband.errors import BeadbandError
+from beadband.studies.correction import make
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m beadband.studies.correction", description=__doc__)
+    parser.add_argument("--out", required=True, metavar="DIR", help="folder of correction.json and of the releases")
+    parser.add_argument("--scenes", type=int, default=2500, help="scenes of any law and band to fit to (%(default)s)")
+    parser.add_argument("--catalogue", type=int, default=500, help="scenes like the catalogue's (%(default)s)")
+    parser.add_argument("--held", type=int, default=700, help="held-out scenes of either kind, twice (%(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="of all draws (%(default)s)")
+    parser.add_argument("--jobs", type=int, default=None, help="processes (default: one per core)")
+    given = vars(parser.parse_args(arguments))
+    try:
+        path = make(**given, say=lambda text: print(text, file=sys.stderr))
+    except BeadbandError as error:
+        print(error, file=sys.stderr)
+        return 2
+    print(json.dumps(json.loads(path.read_text())["held_out"], indent=1))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
