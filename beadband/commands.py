@@ -226,6 +226,13 @@ def report(arguments: Namespace) -> int:
     return _written([str(page.write(arguments.dir, arguments.out))], arguments.json)
 
 
+def explore(arguments: Namespace) -> int:
+    """Write the page to play with."""
+    from beadband.reporting import explore as playing
+
+    return _written([str(playing.write(arguments.out))], arguments.json)
+
+
 def movie(arguments: Namespace) -> int:
     """Film a run."""
     from beadband.reporting import movie

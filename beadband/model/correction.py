@@ -321,6 +321,12 @@ def _file() -> dict[str, Any]:
     return found
 
 
+def table(kind: str) -> Mapping[str, Any]:
+    """The map of one kind, "speed" or "curvature", as its file has it."""
+    found: Mapping[str, Any] = _file()["maps"][kind]
+    return found
+
+
 @cache
 def _maps() -> dict[str, Map]:
     return {kind: map_of(values) for kind, values in _file()["maps"].items()}
