@@ -27,7 +27,7 @@ def load() -> Any:
     The library is looked for in the mpich package and loaded first, so that nobody has to set a search path.
     """
     if _ahead is not None and _ahead is not threading.current_thread():
-        _ahead.join()  # MPI must not be started twice
+        _ahead.join()
     # More threads than cores slow small systems down a hundredfold; a user's own setting stands.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     load_mpi()
@@ -53,9 +53,9 @@ def no_lammps(error: Exception) -> RunError:
 
 
 def load_ahead() -> None:
-    """Begin to load LAMMPS and to start MPI on a thread, beside what else a command has to import.
+    """Begin to load LAMMPS on a thread, beside what else a command has to import.
 
-    Whatever goes wrong shows when LAMMPS is used. Ranks of mpirun leave MPI to mpi4py.
+    Whatever goes wrong shows when LAMMPS is used; MPI starts then, for where it can't it ends the process.
     """
     global _ahead
     if _ahead is None and not launched():
@@ -66,8 +66,7 @@ def load_ahead() -> None:
 def _load_ahead() -> None:
     try:
         here = Path(load().__file__).parent
-        library = ctypes.CDLL(str(here / "liblammps.so"), ctypes.RTLD_GLOBAL)
-        library.lammps_mpi_init()
+        ctypes.CDLL(str(here / "liblammps.so"), ctypes.RTLD_GLOBAL)
     except Exception:  # noqa: BLE001  see above
         return
 

