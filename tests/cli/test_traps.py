@@ -16,7 +16,7 @@ import pytest
 import beadband
 from beadband import commands, observables, parameters
 from beadband.cli import main
-from beadband.errors import RunError
+from beadband.errors import RunError, UsageError
 from beadband.model.scene import scene_of
 from beadband.planning.launch_plan import launch_plan_of
 from beadband.planning.plan import plan_of
@@ -81,6 +81,13 @@ def refusal(capsys: Capture, command: str) -> str:
 def test_what_would_be_ignored_or_absurd_is_refused_by_name(command: str, words: list[str], capsys: Capture) -> None:
     said = refusal(capsys, command)
     assert [word for word in words if word not in said] == []
+
+
+@pytest.mark.parametrize("options", [{"loss_time": 5}, {"frames": 100_000}])
+def test_python_refuses_absurd_runs_too(options: dict[str, Any]) -> None:
+    with pytest.raises(UsageError, match="disk space") as refused:
+        beadband.run(**options)
+    assert refused.value.code == "absurd-run"
 
 
 def test_a_modulus_that_reaches_the_stress_is_taken(capsys: Capture) -> None:
