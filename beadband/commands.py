@@ -239,11 +239,8 @@ def sweep(arguments: Namespace) -> int:
     from beadband.studies import sweep as sweeping
     from beadband.studies.sweep.grid import grid_of, read_grid
 
-    if arguments.seed is not None and arguments.random is None:
-        wrong = "--seed is not used without --random: the grid has no draws"
-        raise UsageError(explain(wrong, f"--seed {arguments.seed}", "--seed with --random", "leave it out"))
     values = read_grid(arguments.grid) if arguments.grid is not None else {}
-    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed or 0)
+    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed)
     out = arguments.out if arguments.out is not None else "sweep"
     with _bar("scene") as follow:
         done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)

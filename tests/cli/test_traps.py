@@ -256,3 +256,18 @@ def test_no_message_names_a_function_of_the_program() -> None:
         for word in part.value.replace("(", " ").replace(")", " ").split()
     }
     assert said & (functions - known) == set()
+
+
+def test_what_python_shows_fits_a_screen() -> None:
+    swept = beadband.sweep(strain=[0.3], beads=60)
+    scene = beadband.scene(band="II")
+    shown = [beadband.plan(scene), beadband.plan(until="launch", beads=160), scene, swept]
+    assert all(len(line) < 120 for one in shown for line in repr(one).splitlines())
+    assert all(repr(one).count("\n") < 3 for one in shown)
+    assert repr(scene) == "<Scene: band II, strain 0.476, half-angle 14 deg, mooney-rivlin, until release>"
+    assert repr(swept) == "<Sweep of 1 scenes: 1 done>"
+
+
+def test_python_refuses_a_seed_without_draws() -> None:
+    with pytest.raises(UsageError, match="--seed is not used without --random"):
+        beadband.sweep(strain=[0.3], seed=4)
