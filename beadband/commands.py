@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from beadband import parameters
-from beadband.errors import RunError, UsageError, explain
+from beadband.errors import RunError, UsageError
 from beadband.model.scene import Scene, scene_of
 
 if TYPE_CHECKING:
