@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beadband.analysis.convergence import Limit, limit_of
+from beadband.model.scales import LONGEST_LAYER
 from beadband.planning import error_curves
-from beadband.planning.plan import FEWEST_LEG_BONDS, LONGEST_LAYER, Plan, plan_of
+from beadband.planning.plan import FEWEST_LEG_BONDS, Plan, plan_of
 
 if TYPE_CHECKING:
     from beadband.model.scene import Scene
