@@ -12,7 +12,7 @@ from beadband.model.scales import LONGEST_LAYER, SPEED_WINDOW, viscous_front_m
 from beadband.model.scene import Scene
 from beadband.model.validity import law_reasons, validity_notices
 from beadband.model.wedge import StringLimit
-from beadband.notices import Notice, distinct_digits, notice
+from beadband.notices import Notice, distinct_digits, notice, percent
 from beadband.parameters import FEWEST_BEADS, PLANNED, TABLE
 from beadband.planning import error_curves
 from beadband.planning.sampling import leg_end_s, sample_leg, sample_ring
@@ -64,6 +64,10 @@ class Plan:
     """Predicted relative error of the window-averaged tip curvature, None where it is not resolved."""
     reasons: tuple[Notice, ...]
     warnings: tuple[Notice, ...]
+
+    def __repr__(self) -> str:
+        steps = f"{self.beads} beads, {self.steps} steps of {self.timestep_s:.3g} s"
+        return f"<Plan of {self.scene!r}:\n {self.model}, {steps}, V to {percent(self.speed_error)} expected>"
 
     @property
     def string(self) -> StringLimit:
