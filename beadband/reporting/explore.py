@@ -66,8 +66,8 @@ def tables() -> dict[str, Any]:
             name: {
                 **{key: value for key, value in band.properties().items() if key in _SIZES},
                 "section": band.section.kind,
-                "law": band.law.name,
-                "constants": band.law.values(),
+                "law": band.rubber.name,
+                "constants": band.rubber.values(),
             }
             for name, band in CATALOGUE.items()
         },
