@@ -8,7 +8,7 @@ from functools import cached_property
 
 from beadband.errors import UsageError, explain
 from beadband.model.calibration import Strand
-from beadband.model.scales import SPEED_WINDOW, viscous_front_m
+from beadband.model.scales import LONGEST_LAYER, SPEED_WINDOW, viscous_front_m
 from beadband.model.scene import Scene
 from beadband.model.uncertainty import with_auto_tolerance
 from beadband.model.validity import law_reasons, validity_notices
@@ -33,8 +33,6 @@ what it makes of the answer with the second order. Below, beads of any law need 
 # ahead of the front; so many bending layers, and that share of the leg, take their echo below 1e-4 of V.
 _LAYERS_AHEAD = 6.0
 _SHARE_AHEAD = 0.05
-LONGEST_LAYER = 0.08
-"""Bending layer over the leg beyond which the finger is felt at the tip, so that a leg alone won't do."""
 WIDEST_FRONT = 0.03
 """Width of a viscous front over the leg from which on disturbances outrun the front, if the beads resolve it."""
 
