@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beadband.errors import RunError, UsageError, explain
+from beadband.errors import BeadbandError, RunError, UsageError, explain
 from beadband.lammps.engine import Session, kept_session
 from beadband.model.scene import scene_of
 from beadband.model.validity import check_validity
@@ -36,6 +36,8 @@ _RANGES = {"strain": (0.02, 10.0), "half_angle_deg": (1.0, 89.0)}
 _POINTS = 33
 _COARSE = 0.02
 """Tolerance of the first look over the range."""
+_LOOK_S = 0.3
+"""Predicted seconds that a level of it may take."""
 _CLOSE = 0.1
 """Distance from the wanted speed, over its error, at which a value counts as found."""
 _MOST_STEPS = 12
@@ -156,8 +158,8 @@ def _look(values: Mapping[str, Any], key: str, places: Array, session: Session) 
     found = []
     for place in places.tolist():
         try:
-            answer = ask_one({**values, key: place}, "speed", session)
-        except RunError:
+            answer = ask_one({**values, key: place}, "speed", session, _LOOK_S)
+        except BeadbandError:
             continue
         found.append((place, answer.value, answer.error))
     if len(found) < 2:
