@@ -299,11 +299,12 @@ def corrected(kind: str, chosen: Map, numbers: ArrayLike) -> Correction:
 def _from_thickest(chosen: Map, numbers: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     """V/V_string - 1, its bar over V_string, and whether it is inside.
 
-    Below the least spread that was fitted the correction falls from there at least as the share of bending does: it is
-    taken to fall so, and all of it is added to the bar.
+    Below the least spread or crossover that was fitted the correction falls at least as the share of bending does: it
+    is taken to fall so from the nearest thicker band that was, and all of it is added to the bar.
     """
-    spread = chosen.columns.index(_AT["ln_spread"])
-    short = np.maximum(chosen.low[spread] - numbers[:, _AT["ln_spread"]], 0.0)
+    spread, crossover = (chosen.low[chosen.columns.index(_AT[name])] for name in ("ln_spread", "ln_crossover"))
+    short = np.maximum(spread - numbers[:, _AT["ln_spread"]], 0.5 * (crossover - numbers[:, _AT["ln_crossover"]]))
+    short = np.maximum(short, 0.0)
     there = numbers.copy()
     there[:, _AT["ln_spread"]] += short
     there[:, _AT["ln_crossover"]] += 2.0 * short

