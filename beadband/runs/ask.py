@@ -163,9 +163,9 @@ def _climbed(question: Question, known: tuple[float, float] | None, session: Ses
             try:
                 plan = question.plan(level)
                 levels[level] = _value(question, plan, follow_rear(plan, session))
-            except BeadbandError as error:
+            except BeadbandError as refused:
                 # Too few beads for the finger, or for an equilibrium: finer ones may do.
-                failure = error
+                failure = refused
         if not levels:
             continue
         ranked = sorted(levels, reverse=True)
