@@ -116,12 +116,14 @@ def find(values: Mapping[str, Any], parameter: str, speed_m_s: float, session: S
         places, speeds, errors = _look({**values, "tolerance": max(_COARSE, tolerance)}, key, places, own)
         over = speeds - speed_m_s
         starts = _crossings(over, errors)
-        if len(starts) == 0:
+        nearest = int(np.argmin(np.abs(over)))
+        if not starts and abs(over[nearest]) > errors[nearest]:
             raise _unreachable(key, speed_m_s, places, speeds)
-        at = starts[0]
+        # At the very end of what can be reached the error decides: the place next to it.
+        at = starts[0] if starts else min(nearest, len(places) - 2)
         low, high = float(places[at]), float(places[at + 1])
         slope = float(speeds[at + 1] - speeds[at]) / (high - low)
-        guess = low - float(over[at]) / slope
+        guess = low - float(over[at]) / slope if starts else float(places[nearest])
         # The first look errs: the brackets are wider by what that moves the root.
         room = float(max(errors[at], errors[at + 1])) / abs(slope)
         low, high = max(float(places[0]), low - room), min(float(places[-1]), high + room)
