@@ -4,7 +4,7 @@ BIN := $(VENV)/bin
 
 COVERAGE := build/coverage
 
-.PHONY: install test coverage docs correction lint shape types imports wheel check clean
+.PHONY: install test coverage docs site correction lint shape types imports dist check clean
 
 install:
 	python3 -m venv $(VENV)
@@ -20,9 +20,15 @@ coverage:
 	COVERAGE_FILE=$(abspath $(COVERAGE))/data $(BIN)/coverage combine --quiet
 	COVERAGE_FILE=$(abspath $(COVERAGE))/data $(BIN)/coverage report
 
-# The pages of reference: parameters.md, results.md, results.schema.json. A test says when they are out of date.
+# The pages of reference, made of the tables and of the parser. A test says when they are out of date.
 docs:
 	$(BIN)/python -m beadband.reporting.documents docs
+	$(BIN)/python -c "from beadband.cli import reference; print(reference(), end='')" > docs/commands.md
+
+# The documents as a site in build/site; a dead link, or a page that nothing leads to, is an error.
+site: shape
+	$(BIN)/pip install --quiet -c constraints.txt -e '.[docs]'
+	$(BIN)/mkdocs build --strict --quiet
 
 # The map of what bending makes of the string limit: thousands of releases, some minutes on two cores.
 correction:
@@ -44,14 +50,17 @@ types: shape
 imports: shape
 	cd build/shape && PYTHONPATH=. ../../$(BIN)/lint-imports --config ../../pyproject.toml --no-cache
 
-# What is installed holds the scripts, and no top-level package but beadband.
-wheel:
-	rm -rf build/wheel && $(BIN)/pip wheel --quiet --no-deps -w build/wheel .
-	$(BIN)/python -m zipfile -l build/wheel/beadband-*.whl | grep -q 'beadband/lmp_inputs/release.in'
-	$(BIN)/python -m zipfile -l build/wheel/beadband-*.whl | grep -q 'beadband/reporting/page.js'
-	! $(BIN)/python -m zipfile -l build/wheel/beadband-*.whl | grep -E '^(analysis|lmp_inputs|tests)/'
+# Source and wheel, built and installed as a user would, in another folder; the wheel holds no top-level package but
+# beadband. Every Python that is named is tried: make dist PYTHONS="python3.11 python3.13".
+PYTHONS ?= python3
+dist:
+	rm -rf build/dist build/installed && $(BIN)/pip install --quiet -c constraints.txt build
+	$(BIN)/python -m build --outdir build/dist . >build/dist.log || (cat build/dist.log; false)
+	! $(BIN)/python -m zipfile -l build/dist/beadband-*.whl | grep -E '^(analysis|lmp_inputs|tests)/'
+	for python in $(PYTHONS); do for file in build/dist/beadband-*; do \
+	    sh .ci/installed $$python $$file || exit 1; done; done
 
-check: lint types imports wheel
+check: lint types imports dist site
 
 clean:
 	rm -rf build *.egg-info $(VENV) .mypy_cache .ruff_cache .pytest_cache

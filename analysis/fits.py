@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+_ROUNDING = 1e-9
+"""Share of an interval by which times may be off through rounding."""
+
 
 class Measured(NamedTuple):
     """A value with its standard error, in the same unit.
@@ -40,7 +43,9 @@ def slope(times_s: Array, values: Array, start_s: float, end_s: float) -> Measur
     Its standard error takes the number of independent residuals from their lag-1 correlation, since those of a
     ringing tip are strongly correlated. ValueError for fewer than four points.
     """
-    chosen = (times_s >= start_s) & (times_s <= end_s)
+    # A frame at an end of the interval belongs to it, whichever way its time was rounded.
+    slack = _ROUNDING * (end_s - start_s)
+    chosen = (times_s >= start_s - slack) & (times_s <= end_s + slack)
     t, v = times_s[chosen], values[chosen]
     if len(t) < 4:
         raise ValueError(f"{len(t)} frames between {start_s:.3g} and {end_s:.3g} s: a slope needs 4")

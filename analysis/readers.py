@@ -124,11 +124,53 @@ def read_path(path: str | os.PathLike[str], held_m: Array, beads: int) -> Trajec
     except (OSError, ValueError, IndexError) as error:
         raise ReadError.of(path, error, "a whole rear.dat") from error
     table = np.concatenate([[[0.0, held_m[0, 0], *held_m[1]]], table[table[:, 0] > 0.0]])
-    steps, tip_x, next_x, next_y = table.T
-    tip = np.stack([tip_x, np.zeros_like(tip_x)], axis=1)
-    upper = np.stack([next_x, next_y], axis=1)
-    positions = np.stack([tip, upper, upper * np.array([1.0, -1.0])], axis=1)
-    return Trajectory(steps.astype(np.int64), np.array([1, 2, beads]), positions)
+    return _mirrored(table[:, 0].astype(np.int64), table[:, 1], table[:, 2:], beads)
+
+
+def _mirrored(steps: NDArray[np.int64], tip_x: Array, upper: Array, beads: int) -> Trajectory:
+    """The tip on the axis and both neighbours, of which bead ``beads`` is the mirror image of bead 2."""
+    positions = np.zeros((len(steps), 3, 2))
+    positions[:, 0, 0] = tip_x
+    positions[:, 1] = positions[:, 2] = upper
+    np.negative(upper[:, 1], out=positions[:, 2, 1])
+    return Trajectory(steps, np.array([1, 2, beads]), positions)
+
+
+def averaged_rear(positions_m: Array, rear_steps: int, beads: int) -> Trajectory:
+    """The rear of a leg as a trajectory of means over ``rear_steps``.
+
+    ``positions_m``, shape (steps + 1, 2, 2), are its tip and the bead next to it at every step. The first frame is
+    that at step 0; the other neighbour, bead ``beads``, is the mirror image.
+    """
+    frames = (len(positions_m) - 1) // rear_steps
+    means = positions_m[1:] if rear_steps == 1 else positions_m[1:].reshape(frames, rear_steps, 2, 2).mean(axis=1)
+    table = np.concatenate([positions_m[:1], means])
+    return _mirrored(rear_steps * np.arange(frames + 1), table[:, 0, 0], table[:, 1], beads)
+
+
+_MAGIC = b"DUMPCUSTOM"
+_STEP_AT = 8 + len(_MAGIC) + 8
+"""Place of the step in a binary frame: behind the magic word with its length, the byte order and the revision."""
+
+
+def read_rears(path: str | os.PathLike[str], frames: int, legs: int) -> Array:
+    """Read legs.bin, a binary dump of x and y of two beads of each leg: (frames, legs, 2, 2), without a unit.
+
+    ReadError unless it holds the frames of the steps from 0 to ``frames`` - 1.
+    """
+    try:
+        raw = np.fromfile(path, dtype=np.uint8)
+        size, numbers = len(raw) // frames, 4 * legs
+        head = size - 8 * numbers
+        if len(raw) != size * frames or head < _STEP_AT + 8 or _MAGIC not in raw[:_STEP_AT].tobytes():
+            raise ValueError("cut short, or no binary dump")
+        table = raw.reshape(frames, size)
+        steps = np.ascontiguousarray(table[:, _STEP_AT : _STEP_AT + 8]).view(np.int64)[:, 0]
+        if steps[0] != 0 or steps[-1] != frames - 1:
+            raise ValueError(f"steps {steps[0]} to {steps[-1]}")
+    except (OSError, ValueError) as error:
+        raise ReadError.of(path, error, "a whole dump of legs") from error
+    return np.ascontiguousarray(table[:, head:]).view(np.float64).reshape(frames, legs, 2, 2)
 
 
 def read_mdanalysis(path: str | os.PathLike[str]) -> Trajectory:

@@ -13,6 +13,7 @@ _PUBLIC = {
     "scene": "api",
     "ask": "api",
     "find": "api",
+    "fit": "model.fitting",
     "load": "runs.dispatch",
     "analyze": "runs.dispatch",
     "sweep": "studies.sweep",

@@ -1,7 +1,5 @@
 """``python -m beadband``."""
 
-import sys
+from beadband.cli import program
 
-from beadband.cli import main
-
-sys.exit(main())
+program()

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from beadband import parameters
-from beadband.errors import UsageError, explain
+from beadband.errors import RunError, UsageError
 from beadband.model.scene import Scene, scene_of
 
 if TYPE_CHECKING:
@@ -20,12 +20,9 @@ if TYPE_CHECKING:
     from beadband.runs.results import Run
 
 
-_LONGEST_S = 600.0
-_MOST_BYTES = 2e9
-"""Predicted time and disk from which on a run starts only with --force."""
 _WORTH_SAYING_S = 5.0
 _WORTH_SAYING_BYTES = 2e8
-"""Predicted time and disk from which on they are printed before the start, not only with the results."""
+"""Predicted time and disk space above which they are printed before the start, not only with the results."""
 
 
 def scene_values(arguments: Namespace) -> dict[str, Any]:
@@ -39,11 +36,12 @@ def scene_values(arguments: Namespace) -> dict[str, Any]:
         # What a plan chose for the scene of the file need not suit the one that the flags make of it.
         for key in values.pop("planned", None) or ():
             values.pop(key, None)
-    used = {
-        key: value for key, value in values.items() if key == "planned" or command in parameters.TABLE[key].commands
-    }
+    # What belongs to other values, and is no parameter of its own.
+    attached = ("planned", "covariance")
+    used = {key: value for key, value in values.items() if key in attached or command in parameters.TABLE[key].commands}
+    unused = {key: value for key, value in values.items() if key not in used}
     parameters.refuse_unused(
-        command, [key for key in values.keys() - used.keys() if values[key] != parameters.TABLE[key].default]
+        command, {key: value for key, value in unused.items() if value != parameters.TABLE[key].default}
     )
     parameters.refuse_errors(command, used | given)
     return used | given
@@ -58,7 +56,7 @@ def bands(arguments: Namespace) -> int:
         rows = band_rows(CATALOGUE.values())
     else:
         path = arguments.file
-        rows = band_rows(scene_of({"band": name, "band_file": path}).band for name in read_bands(path))
+        rows = band_rows(scene_of({"band": name, "band_file": path}).band for name in read_bands(path, "--file"))
     print(json.dumps(rows, indent=1) if arguments.json else tables.bands(rows))
     return 0
 
@@ -85,7 +83,8 @@ def run(arguments: Namespace) -> int:
         driver.help_along(scene)
         return 0
     planned = plan_scene(scene)
-    _refuse_absurd(planned, scene.frames, arguments.force)
+    if not arguments.force:
+        driver.refuse_absurd(planned, scene.frames)
     out = folder.create(arguments.out if arguments.out is not None else folder.next_free(_name(scene)))
     _announce(planned)
     follow = _Progress("releasing: step") if sys.stderr.isatty() else None
@@ -122,44 +121,18 @@ def _noted(warnings: list[str]) -> int:
 
 
 _SAID_BEFORE = ("tolerance-not-expected", "speed-needs-more-beads", "frames-adjusted", "unusual-size")
-"""Warnings of a plan that a user wants to read before the time is spent, not after."""
+"""Warnings of a plan that a user wants to read before the run, not after it."""
 
 
 def _announce(planned: Plan | LaunchPlan) -> None:
-    """Predicted time and disk of a run that takes a while, on stderr, and what the plan warns of."""
+    """Print the predicted time and disk space of a long run and the warnings of its plan to stderr."""
+    from beadband.runs.dispatch import duration
+
     if planned.seconds > _WORTH_SAYING_S or planned.disk_bytes > _WORTH_SAYING_BYTES:
-        print(f"predicted: {_duration(planned.seconds)}, {planned.disk_bytes / 1e6:.2g} MB on disk", file=sys.stderr)
+        print(f"predicted: {duration(planned.seconds)}, {planned.disk_bytes / 1e6:.2g} MB on disk", file=sys.stderr)
     for one in planned.warnings:
         if one.code in _SAID_BEFORE:
             print(f"note: {one}", file=sys.stderr)
-
-
-def _refuse_absurd(planned: Plan | LaunchPlan, frames: int | None, force: bool) -> None:
-    """UsageError, without --force, for a run predicted to take too long or, with all frames asked for, too much disk.
-
-    The plan may write fewer frames, one for each step at most: who asks for so many should know before the start.
-    """
-    from beadband.planning import error_curves
-
-    seconds, size = planned.seconds, max(planned.disk_bytes, error_curves.disk_bytes(planned.beads, frames or 0, 0))
-    if (seconds > _LONGEST_S or size > _MOST_BYTES) and not force:
-        raise UsageError(
-            explain(
-                "the run is predicted to take too long or too much disk",
-                f"{_duration(seconds)} and {size / 1e9:.2g} GB for {planned.steps} steps of {planned.beads} beads"
-                + (f" and {frames} frames" if frames else ""),
-                f"{_duration(_LONGEST_S)} and {_MOST_BYTES / 1e9:g} GB",
-                "use fewer --beads or --frames or a smaller --loss-time, or add --force",
-            ),
-            code="absurd-run",
-        )
-
-
-def _duration(seconds: float) -> str:
-    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
-        if seconds >= 2.0 * size:
-            return f"{seconds / size:.2g} {unit}"
-    return f"{seconds:.2g} s"
 
 
 def analyze(arguments: Namespace) -> int:
@@ -169,11 +142,51 @@ def analyze(arguments: Namespace) -> int:
     return _report(driver.analyze(arguments.dir), arguments.json)
 
 
-def plot(arguments: Namespace) -> int:
-    """Draw the pictures of a run into its folder."""
-    from beadband.reporting.pictures import draw_folder
+def fit(arguments: Namespace) -> int:
+    """Fit laws to a tensile test."""
+    from beadband.model.fitting import fit as fitted
+    from beadband.reporting import fit_report
+    from beadband.runs import folder
 
-    return _written([str(path) for path in draw_folder(arguments.dir)], arguments.json)
+    found = fitted(arguments.file, arguments.law, arguments.strain)
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("fit"))
+    fit_report.write(found, out)
+    print(json.dumps(found.as_dict(), indent=1) if arguments.json else fit_report.table(found))
+    print(f"picture and scene files in {out}", file=sys.stderr)
+    return 0
+
+
+def plot(arguments: Namespace) -> int:
+    """Draw the pictures of a run into its folder, or those of several runs on the same axes."""
+    from beadband.reporting.style import Style
+
+    style = Style(arguments.format, arguments.columns)
+    if len(arguments.dir) > 1:
+        from beadband.reporting import comparison
+        from beadband.runs import folder
+
+        out = folder.create(arguments.out if arguments.out is not None else folder.next_free("comparison"))
+        drawn = comparison.draw(comparison.compare(arguments.dir), out, style)
+    else:
+        from beadband.reporting.pictures import draw_result
+        from beadband.runs.dispatch import remeasure
+
+        drawn = draw_result(remeasure(arguments.dir[0]), arguments.out or arguments.dir[0], style)
+    return _written([str(path) for path in drawn], arguments.json)
+
+
+def compare(arguments: Namespace) -> int:
+    """Print what differs between runs, and draw them on the same axes."""
+    from beadband.reporting import comparison
+    from beadband.reporting.style import Style
+    from beadband.runs import folder
+
+    found = comparison.compare(arguments.dir)
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("comparison"))
+    comparison.draw(found, out, Style())
+    print(json.dumps(found.as_dict(), indent=1) if arguments.json else comparison.table(found))
+    print(f"pictures in {out}", file=sys.stderr)
+    return 0
 
 
 def report(arguments: Namespace) -> int:
@@ -181,6 +194,13 @@ def report(arguments: Namespace) -> int:
     from beadband.reporting import page
 
     return _written([str(page.write(arguments.dir, arguments.out))], arguments.json)
+
+
+def explore(arguments: Namespace) -> int:
+    """Write the page to play with."""
+    from beadband.reporting import explore as playing
+
+    return _written([str(playing.write(arguments.out))], arguments.json)
 
 
 def movie(arguments: Namespace) -> int:
@@ -193,7 +213,7 @@ def movie(arguments: Namespace) -> int:
 
 
 def verify(arguments: Namespace) -> int:
-    """Climb the ladder of checks."""
+    """Make the checks against exact answers."""
     from beadband.studies import verification
     from beadband.studies.verification import report
 
@@ -234,6 +254,11 @@ def sweep(arguments: Namespace) -> int:
     if world().rank == 0:
         print(json.dumps(done.summary, indent=1) if arguments.json else tables.sweep(done.summary))
         print(f"table, summary and pictures in {out}", file=sys.stderr)
+        if "done" not in done.summary["status"]:
+            reasons = done.summary["without_result"].values()
+            first = next((each["first"] for each in reasons), "the grid holds no scene")
+            refused = "failed" not in done.summary["status"]
+            raise (UsageError if refused else RunError)(f"no scene of the sweep has a result; the first: {first}")
     return 0
 
 
@@ -317,7 +342,7 @@ def _written(paths: list[str], as_json: bool) -> int:
 
 
 def _report(done: Run, as_json: bool) -> int:
-    """Print a finished run and what it does not keep of physics; return the exit code."""
+    """Print a finished run and the physics checks that it fails; return the exit code."""
     from beadband.reporting import summary as tables
     from beadband.runs.results import to_json
 
@@ -328,7 +353,7 @@ def _report(done: Run, as_json: bool) -> int:
 
 
 class _Progress:
-    """A line on the terminal that says how far the work is, once it takes long enough to wonder."""
+    """A line on the terminal that shows the progress of long work."""
 
     def __init__(self, unit: str) -> None:
         self.unit = unit

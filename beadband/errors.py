@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 
-class Complaint(NamedTuple):
-    """What was wrong, what was given, what is allowed, and what to do; ``str`` makes the one sentence of it."""
+class Complaint:
+    """What was wrong, what was given, what is allowed, and what to do; ``str`` makes the one sentence of it.
 
-    wrong: str
-    given: str
-    allowed: str
-    advice: str
+    A plain class: a NamedTuple would cost ``--help`` a millisecond.
+    """
+
+    __slots__ = ("advice", "allowed", "given", "wrong")
+
+    def __init__(self, wrong: str, given: str, allowed: str, advice: str) -> None:
+        self.wrong, self.given, self.allowed, self.advice = wrong, given, allowed, advice
 
     def __str__(self) -> str:
         return f"{self.wrong}: given {self.given}; allowed: {self.allowed}; {self.advice}"

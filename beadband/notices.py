@@ -1,4 +1,4 @@
-"""What a plan or a result has to say: a code and its numbers, and one table of the sentences made of them.
+"""What a plan or a result reports: a code and its numbers, and one table of the sentences made of them.
 
 A notice is a value. Programs decide on its code and its numbers; the sentence is made where a person reads it.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from string import Formatter
 from typing import Any
 
@@ -59,9 +60,17 @@ _FORMATTER = _Formatter()
 
 def notice(code: str, **values: Any) -> Notice:
     """A notice of the table; KeyError for a code that it does not hold."""
-    made = Notice(code, values)
-    made.sentence  # noqa: B018  a value that its sentence lacks shows here, not at the reader's
-    return made
+    # A value that its sentence lacks shows here, not at the reader's; the sentence itself is made there.
+    lacking = _needed(code) - values.keys()
+    if lacking:
+        raise KeyError(*sorted(lacking))
+    return Notice(code, values)
+
+
+@cache
+def _needed(code: str) -> frozenset[str]:
+    """Names of the values in the sentence of a code."""
+    return frozenset(name for _, name, _, _ in _FORMATTER.parse(SENTENCES[code]) if name)
 
 
 def sentences(notices: tuple[Notice, ...] | list[Notice]) -> list[str]:
@@ -73,30 +82,27 @@ SENTENCES: dict[str, str] = {
     # The plan's reasons
     "beads-for-curvature": "{beads} beads: the held tip bends over a layer of {layer_mm:.3g} mm, and the tip curvature "
     "needs beads closer than {value:.2g} of it ({spacing_mm:.3g} mm); the speed alone needs {for_speed}",
-    "beads-for-speed": "{beads} beads: what moves at the rear is {rear_mm:.3g} mm long, and the rebound speed needs "
+    "beads-for-speed": "{beads} beads: the moving rear is {rear_mm:.3g} mm long, and the rebound speed needs "
     "{value:.3g} beads in it for {limit:.2g} %",
-    "tolerance-auto": "tolerance {value:.2g} %: a fifth of the {limit:.2g} % that the inputs' errors make of V; the "
+    "tolerance-auto": "tolerance {value:.2g} %: a fifth of the error of V from the inputs, {limit:.2g} %; the "
     "usual 0.5 % would take {saved:.2g} times the beads for V",
     "loss": "loss time {value:.3g} s: {limit} of the front's time from bead to bead, enough to give it a smooth "
-    "profile "
-    "of a few beads, and vanishing with the mesh",
+    "profile of a few beads, and vanishing with the mesh",
     "loss-without-shock": "loss time {value:.3g} s: {limit:.2g} of the front's time from bead to bead; this law "
     "unloads without a shock, so the loss vanishes with the square of the spacing",
     "step": "step {step_s:.3g} s: {value:.2f} of the largest stable one, {steps} steps to {end_s:.4g} s, {end:.2f} of "
     "the front's arrival",
-    "no-bending": "no bending: the scene leaves it out",
+    "no-bending": "no bending: --bending-scale is 0",
     "bending-for-curvature": "bending is kept: the tip curvature is governed by bending, which spreads over "
     "{value:.3g} mm by the front's arrival, against {limit:.3g} mm of rear; without it V would be the string's, "
     "{string:.4g} m/s",
     "bending-for-speed": "bending is kept: it rounds the kinks, and spreads over {value:.3g} mm by the front's "
-    "arrival, "
-    "against {limit:.3g} mm of rear; without it V would be the string's, {string:.4g} m/s",
-    "one-leg": "one leg, {bonds} of the {beads} bonds: the other is its mirror image, and beyond {value:.2f} of "
-    "the leg "
-    "nothing lies within the domain of dependence; no finger, no wrapped arc, no contact",
-    "whole-ring": "the whole ring, because the trajectory is written; the beads on the finger stay where they "
-    "are and no "
-    "contact is computed, since the disturbance arrives there with the front (V alone needs one leg up to {value:.2f})",
+    "arrival, against {limit:.3g} mm of rear; without it V would be the string's, {string:.4g} m/s",
+    "one-leg": "one leg, {bonds} of the {beads} bonds: the other is its mirror image, and what lies beyond "
+    "{value:.2f} of the leg is outside the domain of dependence; no finger, no wrapped arc, no contact",
+    "whole-ring": "the whole ring, because the trajectory is written; the beads on the finger stay where they are and "
+    "no contact is computed, since the disturbance arrives there with the front (V alone needs one leg up to "
+    "{value:.2f})",
     "frames": "{frames} frames of the ring, and {rear} of its rear, each an average over {value} steps, because "
     "bead-scale modes would alias",
     "samples": "{rear} frames of the rear, each an average over {value} steps, because bead-scale modes would alias",
@@ -104,38 +110,37 @@ SENTENCES: dict[str, str] = {
     "their length, where the two fronts meet, and beads on the finger",
     "finger-stiffness": "finger: {value:.3g} N/m for each bead, {phase:.2f} of a radian in a step",
     "launch-frames": "{frames:.0f} frames of the ring, and {rear:.0f} of its rear and of the finger, until the "
-    "string's "
-    "rear arrives; at most {steps} steps",
+    "string's rear arrives; at most {steps} steps",
     "tensile-curve": "tensile test: smoothed with a strength of {value:.2g}, which leaves the curve {freedom:.1f} "
     "degrees of freedom; its points scatter by {scatter:.2g} MPa about it, {share:.1e} of the held stress",
-    "lost-in-material": "{value:.3g} J/m3 lies between loading and unloading curve, {share:2p} of what the loading "
-    "takes: the material keeps it, and the stored energy is without it",
+    "lost-in-material": "{value:.3g} J/m3 lies between the loading and the unloading curve, {share:2p} of the energy "
+    "of loading: it stays in the material and is not part of the stored energy",
     # Validity of the model
     "unusual-size": "the {name} ({value:.4g} {unit}) is not that of a rubber band, usually {low:.4g} to {limit:.4g} "
     "{unit}: sizes are in SI units; check {flag}",
     "soft-at-strain": "the held band is next to its tension peak: its tangent modulus is {value:.2g} of that at rest, "
-    "so a small error of the law changes the answer much",
+    "so a small error of the law has a large effect",
     "wedge-nearly-closed": "the wedge is nearly as wide as it can be, (1 + strain) sin(half-angle) = {value:.3g} of at "
     "most 1: the rear hardly unloads",
     "rear-arrives-early": "the rear would meet the finger at {value:.2f} of the front's arrival, before {limit} of it, "
-    "when its speed is measured: what is released here passes through the finger",
+    "when its speed is measured: in this model the rear passes through the finger",
     "viscous-front": "this loss spreads the unloading front over {value:.2g} of a leg: what is measured is a viscous "
     "band, not the limit of small loss",
     "sharp-tip": "the held tip has (curvature x half thickness) = {value:.2g}: beam theory is not accurate for it "
     "until the curvature has fallen",
     "thick-on-finger": "the band is thick for its finger, (half thickness / radius) = {value:.2g}: beam theory is not "
     "accurate there",
-    "not-slender": "the legs are only {value:.2g} times as long as the band is thick: it is no slender beam",
-    "bent-legs": "the held tip bends over {value:.2g} of a leg: its legs are nowhere straight, and the wedge and its "
-    "string limit are not those of this band",
+    "not-slender": "the legs are only {value:.2g} times as long as the band is thick: it is not a slender beam",
+    "bent-legs": "the held tip bends over {value:.2g} of a leg: its legs are straight nowhere, so the wedge and its "
+    "string limit do not describe this band",
     "wide-band": "the band is {value:.2g} times as wide as thick and may bend like a plate, up to {stiffer:.2g} times "
     "as stiffly as the beam computed here",
     "tensile-origin": "the band unloads to a stretch of {value:.4g}, below the first measured one, {limit:.4g}: from "
     "rest to there the stress is that of the smoothed curve through zero",
     "tensile-compression": "the band is compressed to a stretch of {value:.3g}, and the tensile test begins at "
-    "{limit:.4g}: the stress goes on with the slope there",
+    "{limit:.4g}: the stress is continued with the slope there",
     "tensile-unloading-end": "the band unloads to a stretch of {value:.4g}, below the last point of the unloading "
-    "curve, {limit:.4g}: the stress goes on with the slope there",
+    "curve, {limit:.4g}: the stress is continued with the slope there",
     # The plan's warnings
     "unresolved-layer": "the bending layer of the held tip ({layer_mm:.3g} mm) is finer than the beads "
     "({spacing_mm:.3g} mm): the tip curvature is not resolved",
@@ -145,25 +150,31 @@ SENTENCES: dict[str, str] = {
     "plan stops at {limit} (set --beads to override)",
     "tolerance-not-expected": "the error expected of the rebound speed, {value:{digits}p}, is above the tolerance "
     "of {limit:{digits}p}",
-    "frames-adjusted": "{value} frames instead of {limit}: frames share out the {steps} steps evenly",
+    "frames-adjusted": "{value} frames instead of {limit}: the {steps} steps are divided evenly among the frames",
     "lossless-shock": "this law unloads through a shock, and a loss of {value:.2g} of the front's time from bead to "
     "bead does not resolve it: it rings, and the rebound speed is about 1 % too low whatever the number of beads",
     "hand-is-hit": "without bending the rear would arrive {value:.3g} s before the finger is free: the hand is hit",
     # Results
-    "no-second-run": "there is no coarse run to judge the error by ({why}): the error of the rebound speed is the "
-    "expected one",
+    "no-second-run": "the error of the rebound speed is the expected one, because there is no coarse run to estimate "
+    "it from ({why})",
     "above-tolerance": "the error of the rebound speed, {value:{digits}p}, is above the tolerance of {limit:{digits}p}",
     "ladder-ends": "the error of the answer, {value:{digits}p}, is above the tolerance of {limit:{digits}p}: it is the "
     "best to be had, with {beads:.0f} beads; a finer level would take too long",
     "several-roots": "{value} values of {name} give this speed: this is the lowest; the next is near {limit:.4g}",
     "no-arrival": "the rear did not reach the finger within {value:.4g} s: there is no pause to report",
-    "hit-while-loaded": "the rear reached the finger before it had carried nothing for {value:.3g} s: there is no "
-    "pause, the hand is hit",
-    "finger-not-cleared": "the finger was not taken away, for it was never free: the flight is left out",
+    "hit-while-loaded": "the rear reached the finger before the finger had been free of load for {value:.3g} s: there "
+    "is no pause, the hand is hit",
+    "finger-not-cleared": "the finger was never free of load and was not taken away: the flight is left out",
     "touched-again": "the band touched the free finger again, {count} time(s) from {start_s:.4g} s on, and {way} "
-    "{value:2p} of its momentum by it",
-    "crosses-itself": "the band crosses itself from {value:.4g} s on: beads of different parts do not feel each other",
-    "buckled-aside": "the compressed band buckled out of its symmetry: its rear left the axis by up to {value:.3g} m",
+    "{value:2p} of its momentum",
+    "crosses-itself": "the band crosses itself from {value:.4g} s on: the model has no contact between its parts",
+    "buckled-aside": "the compressed band buckled to one side: its rear left the axis by up to {value:.3g} m",
+    # Fits of laws to a tensile test
+    "fit-undetermined": "the test does not determine {name}: its standard error is {value:.2g} of it",
+    "fit-peak": "the tension of this fit peaks at a stretch of {value:.4g}, within the test, which goes to "
+    "{limit:.4g}: scenes held beyond it are refused",
+    "fit-poor": "the fit is off by {value:+.1%} of the stress at a stretch of {stretch:.3g}, more than the "
+    "{limit:.1%} that noise explains: V goes by the stress there",
     # Methods of the pareto study
     "other-limit-by-design": "converges to the {limit} by construction, V {gap:+.3%}; {value:.3%} from that at its "
     "finest",
@@ -173,10 +184,10 @@ SENTENCES: dict[str, str] = {
     "unstable-unnoticed": "V is wrong by {value:.0%}: the step is beyond the largest stable one",
     # Launch maps
     "hit-before-free": "the rear reached the finger {value:.3g} s before the string's finger is free: the hand is hit",
-    "hit-before-idle": "the rear reached the finger before it had carried nothing for {value:.3g} s: the pause is from "
-    "the time when the string's finger is free",
+    "hit-before-idle": "the rear reached the finger before the finger had been free of load for {value:.3g} s: the "
+    "pause is counted from the time at which the string's finger is free",
     # Failed checks of physics
-    "energy-unbalanced": "energy is not balanced: {value:.2g} of the stored energy is missing or too much, allowed "
+    "energy-unbalanced": "energy is not balanced: {value:.2g} of the stored energy is unaccounted for, allowed "
     "{limit:.2g}",
     "asymmetric": "the release is not symmetric: the tip left the axis by {value:.2g} of the leg, allowed {limit:.2g}",
     "not-converged": "the rebound speed is not converged: with {beads} beads its error is {value:.2g} of it, allowed "

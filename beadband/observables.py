@@ -4,7 +4,7 @@ Each :class:`Observable` has a key of results.json, a unit, a sentence, and wher
 results.json and its JSON Schema, the columns of sweeps, the rows that a person reads and the dictionary of the
 documents, which :mod:`beadband.reporting.documents` writes.
 
-A result of one's own is added in one place, and then stands in all of them::
+Your own result is added in one place and then appears in all of them::
 
     from beadband.observables import observable
 
@@ -17,7 +17,6 @@ Results are read by the names of their attributes; this module imports nothing o
 
 from __future__ import annotations
 
-import html
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -265,7 +264,7 @@ def register(one: Observable) -> Observable:
 def observable(
     key: str, sentence: str, unit: str = "", level: str = "rear", error: bool = False, label: str | None = None
 ) -> Callable[[Callable[[Any], Any]], Callable[[Any], Any]]:
-    """Add a scalar of one's own: a function of the result that gives a number, None, or a value with its error.
+    """Add a scalar of your own: a function of the result that gives a number, None, or a value with its error.
 
     What a rear alone gives (``level="rear"``) has a column in sweeps, named like the key.
     """
@@ -368,9 +367,12 @@ def text_of(values: Mapping[str, Any], key: str) -> str | None:
 
 def as_html(result: Any) -> str:
     """A result as a table, for notebooks."""
+
     values = as_dict(result)
     listed = [*rows(values), *(("note", sentence) for sentence in values["warnings"])]
-    body = "".join(f"<tr><td>{html.escape(name)}</td><td>{html.escape(text)}</td></tr>" for name, text in listed)
+    from html import escape
+
+    body = "".join(f"<tr><td>{escape(name)}</td><td>{escape(text)}</td></tr>" for name, text in listed)
     return f"<table>{body}</table>"
 
 
@@ -424,7 +426,7 @@ def as_markdown() -> str:
             ", ".join(f"`{each}`" for each in _names(one, of)) if of else ""
             for of in (one.key, one.column if one.level == "rear" else "")
         )
-        remark = " (null where there is none)" if one.null else ""
-        remark = remark or (" (where there is none, left out)" if one.optional else "")
+        remark = " (may be null)" if one.null else ""
+        remark = remark or (" (left out where there is none)" if one.optional else "")
         lines.append(f"| {name} | {one.unit} | {one.sentence}{remark} | {column} |")
     return "\n".join(lines) + "\n"

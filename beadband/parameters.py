@@ -22,6 +22,8 @@ COMMANDS = ("plan", "run", "ask", "find", "sweep", "pareto")
 _RUNS = ("plan", "run")
 _PLANNED = ("plan", "run", "sweep")
 _TOLERANT = ("plan", "run", "ask", "find", "sweep")
+UNUSED = "unused-parameter"
+"""Code of the error for a parameter that was given and that nothing uses."""
 FEWEST_BEADS = 24
 """Beads of a ring below which it can't be wrapped around its finger."""
 MOST_STEPS = 2_000_000_000
@@ -86,16 +88,16 @@ class Parameter:
             return "a name" if self.kind == "name" else "a file"
         if self.kind == "word":
             return ", ".join(words(self.key))
+        unit = f" {self.unit}" if self.unit else ""
         ends = [
-            *([f"above {self.above:g}"] if math.isfinite(self.above) else []),
-            *([f"{self.least:.12g} or more"] if math.isfinite(self.least) and not math.isfinite(self.most) else []),
-            *([f"below {self.below:g}"] if math.isfinite(self.below) else []),
+            *([f"above {self.above:g}{unit}"] if math.isfinite(self.above) else []),
+            *([f"{self.least:.12g}{unit} or more"] if self.least > -math.inf and self.most == math.inf else []),
+            *([f"below {self.below:g}{unit}"] if math.isfinite(self.below) else []),
         ]
         if math.isfinite(self.least) and math.isfinite(self.most):
-            ends.append(f"{self.least:.12g} to {self.most:.12g}")
+            ends.append(f"{self.least:.12g} to {self.most:.12g}{unit}")
         noun = "a whole number" if self.kind == "count" else "a finite number"
-        joint = ", " if self.kind == "count" and ends else " " if ends else ""
-        return f"{noun}{joint}{' and '.join(ends)}" + (f" {self.unit}" if self.unit and ends else "")
+        return f"{noun}{', ' if ends else ''}{' and '.join(ends)}"
 
     def holds(self, value: float) -> bool:
         """Whether a number lies in the range; NaN does not."""
@@ -124,22 +126,22 @@ def uncertain(key: str, given: Any) -> tuple[Any, float | None]:
     """A value and its standard uncertainty, None where it was given without one.
 
     Numbers with an uncertainty are :class:`Uncertain`, tables {value, error}, and texts "2.0e-3 +/- 5e-5" or
-    "2.0e-3 +/- 2.5%"; everything else comes back as it is. UsageError for an uncertainty that is none, or that this
-    parameter can't have.
+    "2.0e-3 +/- 2.5%"; everything else comes back as it is. UsageError for a malformed uncertainty, or where this
+    parameter can't have one.
     """
     found = _UNCERTAIN.match(given) if isinstance(given, str) else None
     if isinstance(given, Uncertain):
         value, error = given.value, given.error
     elif isinstance(given, Mapping):
         if given.keys() != {"value", "error"}:
-            raise UsageError(explain(f"{key} is no number with an error", given, "{value, error}", "correct it"))
+            raise UsageError(explain(f"{key} is not a number with an error", given, "{value, error}", "correct it"))
         value, error = given["value"], given["error"]
     elif found:
         try:
             value, error = float(found["value"]), float(found["error"])
         except ValueError:
             raise UsageError(
-                explain(f"{key} is no number with an error", repr(given), "V +/- E or V +/- P%", "correct it")
+                explain(f"{key} is not a number with an error", repr(given), "V +/- E or V +/- P%", "correct it")
             ) from None
         error *= 0.01 * abs(value) if found["share"] else 1.0
     else:
@@ -158,27 +160,27 @@ TABLE: dict[str, Parameter] = {
     one.key: one
     for one in (
         Parameter("band", "name", "a band of the catalogue", default="III", metavar="NAME"),
-        Parameter("band_file", "name", "a file of bands of one's own, from which --band chooses", metavar="FILE.toml"),
+        Parameter("band_file", "name", "a file of your own bands, one of which --band chooses", metavar="FILE.toml"),
         Parameter("strain", "number", "uniform strain of the held band", "ε", default=0.476, above=0.0, below=10.0),
         Parameter("half_angle_deg", "number", "half-angle of the wedge", "φ", "deg", 14.0,
                   above=0.0, below=90.0, metavar="DEG"),
         Parameter("law", "word", "material law", default="mooney-rivlin", metavar="NAME"),
         Parameter("until", "word", "end of the run", default="release", words=("release", "launch"), commands=_RUNS),
-        Parameter("tolerance", "number", "relative error wanted of V; auto: a fifth of that from the inputs",
+        Parameter("tolerance", "number", "wanted relative error of V; auto: a fifth of its error from the inputs",
                   default=0.005, above=0.0, below=0.5, commands=_TOLERANT),
-        Parameter("inputs", "word", "errors of a catalogue band: those given, or the rounding of its printed digits",
-                  default="given", words=("given", "as-printed"), commands=("plan", "run", "ask")),
-        Parameter("samples", "count", "draws of the inputs, beside the derivatives, for large errors", default=0,
-                  least=0, most=100_000, commands=("run",), metavar="N"),
+        Parameter("inputs", "word", "errors of a catalogue band: those given, or also the rounding of its printed "
+                  "digits", default="given", words=("given", "as-printed"), commands=("plan", "run", "ask")),
+        Parameter("samples", "count", "random draws of the inputs, in addition to derivatives, for large errors",
+                  default=0, least=0, most=100_000, commands=("run",), metavar="N"),
         Parameter("for", "word", "what the plan must get right", default="curvature", words=("curvature", "speed"),
                   commands=_PLANNED),
         Parameter("bending_modulus", "word", "modulus in EI: E of the table, or E0 at rest", default="table",
                   words=("table", "rest")),
         Parameter("bending_scale", "number", "factor on EI; 0 leaves bending out", default=1.0, least=0.0),
-        Parameter("finger", "word", "it stays, or clears once it carries nothing", default="stays",
+        Parameter("finger", "word", "it stays, or is taken away once it carries no load", default="stays",
                   words=("stays", "clears"), commands=_RUNS, only=_launch()),
-        Parameter("flight_s", "number", "time that the band flies on", unit="s", default=0.0, least=0.0,
-                  commands=_RUNS, only=_launch(finger="clears"), metavar="S"),
+        Parameter("flight_s", "number", "time of flight after the rear has reached the place of the finger", unit="s",
+                  default=0.0, least=0.0, commands=_RUNS, only=_launch(finger="clears"), metavar="S"),
         Parameter("circumference_m", "number", "circumference of the unstretched band", "Cb", "m", section="band",
                   above=0.0, usual=(5e-3, 5.0), metavar="M"),
         Parameter("section", "word", "cross section", section="band", default=None,
@@ -197,11 +199,11 @@ TABLE: dict[str, Parameter] = {
                   above=0.0, usual=(300.0, 4000.0), metavar="KG_M3"),
         Parameter("modulus_pa", "number", "Young's modulus E of the table; of the linear law, its only constant", "E",
                   "Pa", section="band", above=0.0, usual=(1e4, 1e9), metavar="PA"),
-        Parameter("softening_r", "number", "Mullins softening of Ogden and Roxburgh: softer the smaller it is", "r",
+        Parameter("softening_r", "number", "Mullins softening of Ogden and Roxburgh: the smaller, the softer", "r",
                   section="law", above=1.0),
-        Parameter("softening_m_pa", "number", "energy density over which it softens", "m", "Pa", section="law",
+        Parameter("softening_m_pa", "number", "energy density over which the rubber softens", "m", "Pa", section="law",
                   least=0.0, metavar="PA"),
-        Parameter("softening_beta", "number", "the like, as a share of the energy density at the held stretch", "β",
+        Parameter("softening_beta", "number", "the same as a share of the energy density at the held stretch", "β",
                   section="law", least=0.0),
         Parameter("beads", "count", "beads of the whole ring", section="plan", least=FEWEST_BEADS, most=2_000_000,
                   commands=_PLANNED, metavar="N"),
@@ -257,7 +259,7 @@ def defaults() -> dict[str, Any]:
 
 
 def key_of(name: str) -> str | None:
-    """The key that a name stands for: the key itself, or it without its unit, with - or _; None for an unknown one."""
+    """The key that a name stands for: the key itself or the key without its unit, with - or _; None if unknown."""
     plain = name.replace("-", "_")
     if plain in TABLE:
         return plain
@@ -274,11 +276,11 @@ def checked(key: str, value: Any, one: Parameter | None = None) -> Any:
         return value
     if one.kind in ("word", "name"):
         if not isinstance(value, str) or (one.kind == "word" and value not in words(key)):
-            raise UsageError(explain(f"unknown {one.option}", repr(value), one.allowed, f"change {one.flag}"))
+            raise UsageError(explain(f"unknown value of {one.flag}", repr(value), one.allowed, f"change {one.flag}"))
         return value
     if one.kind == "path":
         if not isinstance(value, (str, os.PathLike)) or not os.fspath(value):
-            raise UsageError(explain(f"{one.option} is no file", repr(value), one.allowed, f"change {one.flag}"))
+            raise UsageError(explain(f"{one.flag} names no file", repr(value), one.allowed, f"change {one.flag}"))
         return os.fspath(value)
     if isinstance(value, (list, tuple)):
         many = one.kind == "numbers"
@@ -325,32 +327,38 @@ def used_by(command: str) -> list[Parameter]:
     return [one for one in TABLE.values() if command in one.commands and one.section != "record"]
 
 
-def refuse_unused(command: str, keys: Iterable[str]) -> None:
+def refuse_unused(command: str, given: Mapping[str, Any]) -> None:
     """Refuse what a command does not use; UsageError that names it."""
-    for key in keys:
+    for key, value in given.items():
         one = TABLE.get(key)
         if one is not None and command not in one.commands:
             raise UsageError(
                 explain(
                     f"{one.flag} is not used by 'beadband {command}'",
-                    one.flag,
-                    ", ".join(each.flag for each in used_by(command)),
+                    f"{one.flag} {value}",
+                    f"{one.flag} with {', '.join(one.commands)}",
                     "leave it out",
-                )
+                ),
+                UNUSED,
             )
 
 
 def refuse_errors(command: str, values: Mapping[str, Any]) -> None:
-    """Refuse numbers with an error where a command makes nothing of it; UsageError that names the first."""
+    """Refuse numbers with an error for a command that does not use it; UsageError that names the first."""
     if command in TABLE["inputs"].commands:
         return
+    if values.get("covariance") is not None:
+        allowed = f"{', '.join(TABLE['inputs'].commands)} take errors"
+        raise UsageError(
+            explain(f"'beadband {command}' does not use errors of inputs", "a covariance", allowed, "leave it out")
+        )
     for key, value in values.items():
         for each in value if isinstance(value, (list, tuple)) else (value,):
             if key in TABLE and uncertain(key, each)[1] is not None:
                 flag, allowed = TABLE[key].flag, f"{', '.join(TABLE['inputs'].commands)} take errors"
                 raise UsageError(
                     explain(
-                        f"'beadband {command}' makes nothing of an error", f"{flag} {each}", allowed, "leave it out"
+                        f"'beadband {command}' does not use errors of inputs", f"{flag} {each}", allowed, "leave it out"
                     )
                 )
 
@@ -365,7 +373,7 @@ def nearest_flags(flags: Iterable[str], command: str) -> str:
 
 
 def add_arguments(parser: argparse.ArgumentParser, command: str, grid: bool = False) -> None:
-    """Give a command the options of a scene, unset ones left out of the result; with ``grid`` each takes many values.
+    """Give a command the options of a scene; with ``grid`` each takes many values. Unset ones leave no attribute.
 
     Texts are taken as they are: :func:`parsed` makes values of them, with the messages of this table.
     """
@@ -406,7 +414,7 @@ def given(arguments: argparse.Namespace) -> dict[str, str]:
 
 
 def by_key(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Keyword arguments by the keys of the table; UsageError for a name that stands for none."""
+    """Keyword arguments by the keys of the table; UsageError for an unknown name."""
     values = {}
     for name, value in options.items():
         key = key_of(name)
@@ -415,7 +423,7 @@ def by_key(options: Mapping[str, Any]) -> dict[str, Any]:
 
             names = [one.option for one in TABLE.values()]
             near = difflib.get_close_matches(name, names, 1)
-            advice = f"did you mean {near[0]}?" if near else "correct its name"
+            advice = f"did you mean {near[0]}?" if near else "correct the name"
             raise UsageError(explain("unknown parameter", repr(name), ", ".join(names), advice))
         values[key] = value
     return values

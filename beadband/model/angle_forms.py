@@ -80,8 +80,9 @@ def _quartic(cosine: Array) -> Derivatives:
 
 def _quartic_by_angle(turning_rad: Array) -> Derivatives:
     cosine, sine = np.cos(turning_rad), np.sin(turning_rad)
-    energy, slope, curve = _quartic(cosine)
-    return energy, -slope * sine, curve * sine**2 - slope * cosine
+    u = 1.0 - cosine
+    slope = 1.0 + 2.0 * _WEIGHT * u
+    return u + _WEIGHT * u * u, slope * sine, 2.0 * _WEIGHT * sine * sine + slope * cosine
 
 
 def _cosine(cosine: Array) -> Derivatives:

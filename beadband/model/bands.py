@@ -200,13 +200,13 @@ def catalogue_values() -> dict[str, dict[str, Any]]:
     return {name: flattened({"name": name, **table}) for name, table in _catalogue_tables().items()}
 
 
-def read_bands(path: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
+def read_bands(path: str | os.PathLike[str], flag: str = "--band-file") -> dict[str, dict[str, Any]]:
     """Bands of a TOML file as flat values by their keys: a table each, named for the band, as in the catalogue's.
 
     A file with one ``[band]`` table that has a name, as scene files have it, is a file of that band. UsageError for a
     file that can't be read, or that holds something else.
     """
-    tables = read_toml(path, "band", "--band-file")
+    tables = read_toml(path, "band", flag)
     own = tables.get("band")
     if isinstance(own, Mapping) and "name" in own:
         tables = {str(own["name"]): {**own, "law": tables.get("law", own.get("law", {}))}}

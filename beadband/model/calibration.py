@@ -18,6 +18,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from beadband.model.laws import Law
 
 
@@ -82,9 +84,15 @@ class Strand:
         release between these stretches has a smaller limit, up to the coupling of bending and stretching at turning
         angles of some tens of degrees (see :mod:`beadband.studies.stability.frozen`, which has it exactly).
         """
-        held = 1.0 + strain
-        samples = [compression + (held - compression) * i / 64 for i in range(65)]
-        axial = min(self.axial_step_s(stretch, loss_time_s) for stretch in samples)
-        bending = (4.0 * self.bending_diffusivity_m2_s / (self.spacing_m**2 * compression)) ** 2
-        relaxed = 2.0 / math.sqrt(bending) if bending > 0.0 else math.inf
-        return min(axial, relaxed, *(self.transverse_step_s(stretch) for stretch in samples if stretch >= 1.0))
+        stretch = compression + (1.0 + strain - compression) * np.linspace(0.0, 1.0, 65)
+        rates2 = 4.0 * self.law.tangent(stretch) / (self.density_kg_m3 * self.spacing_m**2)
+        mass_rate = 2.0 * self.dashpot_n_s_m(loss_time_s) / self.bead_mass_kg
+        # The stiffest of each kind; a falling tension has no step of its own.
+        stiffest = float(np.max(rates2))
+        axial = 2.0 / (math.sqrt(stiffest + mass_rate**2) + mass_rate) if stiffest > 0.0 else math.inf
+        bending = (4.0 * self.bending_diffusivity_m2_s / self.spacing_m**2) ** 2
+        relaxed = 2.0 * compression / math.sqrt(bending) if bending > 0.0 else math.inf
+        pulled = stretch[stretch >= 1.0]
+        across = bending / pulled**2 + 4.0 * self.law.stress(pulled) / (pulled * self.density_kg_m3 * self.spacing_m**2)
+        swiftest = float(np.max(across))
+        return min(axial, relaxed, 2.0 / math.sqrt(swiftest) if swiftest > 0.0 else math.inf)

@@ -153,12 +153,13 @@ def curvature_correction(numbers: ArrayLike) -> Correction:
 
 
 def bending_share(numbers: Array) -> Array:
-    """B/(1 + B), B the speed sqrt(a_b/t_f) of a bending kink over that of the string's rear; shape (scenes,)."""
-    strain, phi = np.exp(numbers[:, _AT["ln_strain"]]), numbers[:, _AT["half_angle_rad"]]
-    fall = (strain - np.exp(numbers[:, _AT["ln_residual_strain"]])) * np.exp(numbers[:, _AT["ln_mean_speed"]])
-    rear = fall * np.cos(phi) / (1.0 - np.sin(phi))
-    bending = np.exp(numbers[:, _AT["ln_spread"]])
-    share: Array = bending / (bending + rear)
+    """B/(1 + B), B the speed sqrt(a_b/t_f) of a bending kink over that of the string's rear; shape (scenes,).
+
+    The string's kink runs at V tan(phi), so that B = tan(phi) sqrt(t_x/t_f)/(1 + residual strain).
+    """
+    behind = 1.0 + np.exp(numbers[:, _AT["ln_residual_strain"]])
+    bending = np.tan(numbers[:, _AT["half_angle_rad"]]) * np.exp(0.5 * numbers[:, _AT["ln_crossover"]]) / behind
+    share: Array = bending / (1.0 + bending)
     return share
 
 
@@ -318,6 +319,12 @@ def _corrected(kind: str, numbers: ArrayLike) -> Correction:
 @cache
 def _file() -> dict[str, Any]:
     found: dict[str, Any] = json.loads((files("beadband.model") / _FILE).read_text())
+    return found
+
+
+def table(kind: str) -> Mapping[str, Any]:
+    """The map of one kind, "speed" or "curvature", as its file has it."""
+    found: Mapping[str, Any] = _file()["maps"][kind]
     return found
 
 

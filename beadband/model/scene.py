@@ -23,7 +23,7 @@ from beadband.model.bands import (
 from beadband.model.calibration import Strand
 from beadband.model.laws import LAWS, Law, Linear, Softened, law_of
 from beadband.model.wedge import StringLimit, Wedge, published_ratio, string_limit, wave_speeds, wedge_of
-from beadband.parameters import AUTO, PLANNED, TABLE, checked, uncertain
+from beadband.parameters import AUTO, PLANNED, TABLE, UNUSED, checked, uncertain
 
 if TYPE_CHECKING:
     from beadband.model.scales import Scales
@@ -72,6 +72,10 @@ class Scene:
     """Whether the plan makes the tolerance of what the inputs' errors are worth."""
     input_share: float | None = None
     """Relative error of V from the inputs that a tolerance "auto" was made from."""
+
+    def __repr__(self) -> str:
+        where = f"strain {self.strain:g}, half-angle {self.half_angle_deg:g} deg, {self.law}"
+        return f"<Scene: band {self.label}, {where}, until {self.until}>"
 
     @property
     def law(self) -> str:
@@ -168,7 +172,7 @@ class Scene:
         if set(changed) >= {"circumference_m", "thickness_m"}:
             return f"of {_size('circumference_m', own)} circumference"
         # Constants of a law that the catalogue does not have for this band.
-        foreign = [key for key in self.material.values() if key not in known]
+        foreign = [key for key, value in self.material.values().items() if key not in known and value != 0.0]
         sizes = {key: f"{TABLE[key].option} {_size(key, own)}" for key in (*changed, *foreign)}
         law = [self.law, *(sizes[key] for key in foreign)] if foreign else []
         return ", ".join([self.band.name, *(sizes[key] for key in changed), *law])
@@ -199,6 +203,8 @@ def _size(key: str, values: Mapping[str, Any]) -> str:
     """A value as a person writes it: lengths in mm, moduli in MPa."""
     value, unit = values[key], TABLE[key].unit
     factor, name = {"m": (1e3, "mm"), "Pa": (1e-6, "MPa")}.get(unit, (1.0, unit))
+    if unit == "m" and value >= 1.0:
+        factor, name = 1.0, unit
     if isinstance(value, str):
         return value
     numbers = value if isinstance(value, tuple) else (value,)
@@ -315,10 +321,11 @@ def _released(material: Law, given: Mapping[str, Any], held: float) -> Law:
     if r is None and m is None and beta is None:
         return unloading
     if r is None or not (m or beta):
+        known = {"r": r, "m": m, "beta": beta}
         raise UsageError(
             explain(
                 "the softening lacks a constant",
-                f"r {r}, m {m} Pa, beta {beta}",
+                ", ".join(f"{name} {value:g}" for name, value in known.items() if value is not None),
                 "r, and m or beta above 0",
                 "add --softening-r, and --softening-m or --softening-beta",
             )
@@ -352,13 +359,11 @@ def _refuse_stiffness(material: Law, known: Mapping[str, Any], given: Mapping[st
     for key in given:
         one = TABLE.get(key)
         other = one is not None and one.laws and one.section in ("law", "record")
-        if one is None or not other or key in mine or given[key] == known.get(key):
+        if one is None or not other or key in mine:
             continue
-        raise UsageError(
-            explain(
-                f"{one.flag} is not used by the law {material.name}", given[key], flags, "leave it out, or change --law"
-            )
-        )
+        wrong = f"{one.flag} is not used by the law {material.name}"
+        value = f"{given[key]:g}" if isinstance(given[key], float) else f"{given[key]}"
+        raise UsageError(explain(wrong, f"{one.flag} {value}", flags, "leave it out, or change --law"), UNUSED)
     modulus = given.get("modulus_pa")
     if known and modulus not in (None, known["modulus_pa"]) and not {"modulus_pa", *given} & mine:
         raise UsageError(
@@ -368,7 +373,7 @@ def _refuse_stiffness(material: Law, known: Mapping[str, Any], given: Mapping[st
                 f"--modulus with {flags}, or with --law linear",
                 f"add {flags}, or --law linear",
             ),
-            code="unused-parameter",
+            UNUSED,
         )
 
 
@@ -393,6 +398,10 @@ def _planned(names: Any) -> tuple[str, ...]:
 
 def _refuse_unused(scene: Scene, given: Iterable[str]) -> None:
     """Refuse what was given and needs another value beside it to be used."""
+    if scene.bending_scale == 0.0 and scene.bending_modulus != TABLE["bending_modulus"].default:
+        wrong, value = "--bending-modulus is not used without bending", f"{scene.bending_modulus} and --bending-scale 0"
+        allowed, advice = "--bending-modulus with --bending-scale above 0", "leave one of the two out"
+        raise UsageError(explain(wrong, f"--bending-modulus {value}", allowed, advice), UNUSED)
     state = {"until": scene.until, "finger": scene.finger}
     for one in (TABLE[key] for key in given if key in TABLE):
         for other, needed in (one.only or {}).items():
@@ -405,7 +414,7 @@ def _refuse_unused(scene: Scene, given: Iterable[str]) -> None:
                         f"{partners} with {one.flag}",
                         f"add {TABLE[other].flag} {needed}, or leave {one.flag} out",
                     ),
-                    code="unused-parameter",
+                    UNUSED,
                 )
 
 

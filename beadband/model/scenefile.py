@@ -9,7 +9,6 @@ from typing import Any
 from beadband.errors import UsageError, explain
 from beadband.model.bands import flattened, read_toml, with_paths
 from beadband.model.scene import Scene
-from beadband.model.uncertainty import values_with_errors
 from beadband.parameters import TABLE, key_of
 
 _HEAD = """\
@@ -64,7 +63,7 @@ def flat_scene(table: Mapping[str, Any], source: str) -> dict[str, Any]:
 
 def scene_text(scene: Scene) -> str:
     """The scene as TOML, every number to its last digit: the release, then its band, then its law."""
-    values = values_with_errors(scene)
+    values = _values_with_errors(scene)
     band = {"name": values.pop("band"), **{key: values.pop(key) for key in scene.band.properties()}}
     law = {"name": values.pop("law")}
     for key in scene.material.values():
@@ -72,8 +71,23 @@ def scene_text(scene: Scene) -> str:
             law[key] = values.pop(key)
     if "covariance" in values:
         law["covariance"] = values.pop("covariance")
-    lines = [_lines(values), f"[band]\n{_lines(band)}", f"[law]\n{_lines(law)}"]
+    lines = [_lines(values), f"[band]\n{_lines(band)}", law_text(law)]
     return _HEAD + "\n".join(lines)
+
+
+def law_text(values: Mapping[str, Any]) -> str:
+    """The part of a scene file that is the law, from its values by their keys, ``name`` among them."""
+    return f"[law]\n{_lines(values)}"
+
+
+def _values_with_errors(scene: Scene) -> dict[str, Any]:
+    """Values of a scene by their keys, as scene files have them: a table of value and error where there is one."""
+    values = scene.as_dict()
+    for key, error in scene.errors:
+        values[key] = {"value": values[key], "error": error}
+    if scene.covariance:
+        values["covariance"] = [list(row) for row in scene.covariance]
+    return values
 
 
 def _lines(values: Mapping[str, Any]) -> str:

@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -208,8 +207,8 @@ def with_auto_tolerance(scene: Scene) -> Scene:
     if error is None or not error > 0.0:
         raise UsageError(
             explain(
-                "a tolerance of auto needs inputs with errors",
-                "none",
+                "a tolerance of auto needs inputs whose errors change V",
+                "none" if error is None else "only errors that do not change the string limit of V",
                 "a value with +/- on some input, or --inputs as-printed",
                 "give errors, or a tolerance as a number",
             )
@@ -240,13 +239,3 @@ def estimated_error(scene: Scene) -> float | None:
     }
     found = elasticities(bare, inputs.names, had, 0.5)
     return math.sqrt(max(float(found @ inputs.relative_covariance @ found), 0.0))
-
-
-def values_with_errors(scene: Scene) -> dict[str, Any]:
-    """Values of a scene by their keys, as scene files have them: a table of value and error where there is one."""
-    values = scene.as_dict()
-    for key, error in scene.errors:
-        values[key] = {"value": values[key], "error": error}
-    if scene.covariance:
-        values["covariance"] = [list(row) for row in scene.covariance]
-    return values

@@ -65,12 +65,26 @@ def string_limit(law: Law, density_kg_m3: float, strain: float, half_angle_rad: 
     sine = math.sin(half_angle_rad)
     held = 1.0 + strain
 
-    def surplus(behind: float) -> float:
-        kink = math.sqrt(max(law.stress(behind), 0.0) * behind / density_kg_m3)
-        return law.unloading_wave(held, behind, density_kg_m3).particle_speed_m_s * sine - kink * (1.0 - sine)
+    held_pa = float(law.stress(held))
 
-    behind = root(surplus, 1.0, held)
+    def surplus(behind: float, stress_pa: float, leg_speed: float) -> float:
+        return leg_speed * sine - math.sqrt(max(stress_pa, 0.0) * behind / density_kg_m3) * (1.0 - sine)
+
+    def behind_one_front(behind: float) -> float:
+        stress = float(law.stress(behind))
+        return surplus(behind, stress, math.sqrt(max((held_pa - stress) * (held - behind), 0.0) / density_kg_m3))
+
+    def behind_the_wave(behind: float) -> float:
+        wave = law.unloading_wave(held, behind, density_kg_m3)
+        return surplus(behind, float(law.stress(behind)), wave.particle_speed_m_s)
+
+    # Most waves are one front, whose speed has a closed form. Where that is not the admissible wave the envelope of
+    # the law decides at every step of the search.
+    behind = root(behind_one_front, 1.0, held)
     wave = law.unloading_wave(held, behind, density_kg_m3)
+    if len(wave.parts) != 1 or wave.tail_speed_m_s != wave.front_speed_m_s:
+        behind = root(behind_the_wave, 1.0, held)
+        wave = law.unloading_wave(held, behind, density_kg_m3)
     return StringLimit(
         residual_strain=behind - 1.0,
         residual_stress_pa=float(law.stress(behind)),

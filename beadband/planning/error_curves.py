@@ -84,12 +84,14 @@ def beads_for(scene: Scene, model: str) -> float:
     rear, leg, sharp = _lengths_m(scene)
     least = LEAST_RESOLUTION * length / rear
 
-    def surplus(beads: float) -> float:
-        return _speed_error(rear, leg, sharp, length / beads, model) - SHARE_OF_TOLERANCE * tolerance
+    # Both as logarithms, in which the curve is nearly straight: a few steps find the root.
+    def surplus(log_beads: float) -> float:
+        return math.log(_speed_error(rear, leg, sharp, length / math.exp(log_beads), model) / share)
 
-    if surplus(least) <= 0.0:
+    share = SHARE_OF_TOLERANCE * tolerance
+    if surplus(math.log(least)) <= 0.0:
         return least
-    return root(surplus, least, 1000.0 * least / tolerance)
+    return math.exp(root(surplus, math.log(least), math.log(1000.0 * least / tolerance)))
 
 
 def stated_error(scene: Scene, speed_error: float) -> float:

@@ -10,10 +10,9 @@ from beadband.errors import UsageError, explain
 from beadband.model.calibration import Strand
 from beadband.model.scales import LONGEST_LAYER, SPEED_WINDOW, viscous_front_m
 from beadband.model.scene import Scene
-from beadband.model.uncertainty import with_auto_tolerance
 from beadband.model.validity import law_reasons, validity_notices
 from beadband.model.wedge import StringLimit
-from beadband.notices import Notice, distinct_digits, notice
+from beadband.notices import Notice, distinct_digits, notice, percent
 from beadband.parameters import FEWEST_BEADS, PLANNED, TABLE
 from beadband.planning import error_curves
 from beadband.planning.sampling import leg_end_s, sample_leg, sample_ring
@@ -66,6 +65,10 @@ class Plan:
     reasons: tuple[Notice, ...]
     warnings: tuple[Notice, ...]
 
+    def __repr__(self) -> str:
+        steps = f"{self.beads} beads, {self.steps} steps of {self.timestep_s:.3g} s"
+        return f"<Plan of {self.scene!r}:\n {self.model}, {steps}, V to {percent(self.speed_error)} expected>"
+
     @property
     def string(self) -> StringLimit:
         """The string limit of the scene."""
@@ -115,6 +118,8 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     if scene.until == "launch":
         raise UsageError(explain("this plans releases only", "until launch", "until release", "use beadband.plan"))
     if scene.auto_tolerance:
+        from beadband.model.uncertainty import with_auto_tolerance
+
         scene = with_auto_tolerance(scene)
     reasons: list[Notice] = []
     warnings: list[Notice] = []

@@ -184,7 +184,7 @@ def _figure(story: Story) -> Any:
     """An empty sheet with room for a heading and a row of colours; an even number of pixels, as MP4 wants it.
 
     The writers ask a figure to save itself as raw pixels. This one lays its moving parts over the kept pixels of the
-    rest, where another would draw all of it anew.
+    rest, where another would redraw all of it.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

@@ -6,20 +6,23 @@ import os
 from pathlib import Path
 
 from beadband.reporting import launch_plots, plots
+from beadband.reporting.style import SCREEN, Style
 from beadband.runs.dispatch import remeasure
 from beadband.runs.launch_results import Launch
 from beadband.runs.rear_run import reading_users_files
 from beadband.runs.results import Run
 
 
-def draw_folder(folder: str | os.PathLike[str]) -> list[Path]:
+def draw_folder(folder: str | os.PathLike[str], style: Style = SCREEN) -> list[Path]:
     """Draw the pictures of the run in a folder; UsageError when it is not that of a whole run."""
-    return draw_result(remeasure(folder), folder)
+    return draw_result(remeasure(folder), folder, style)
 
 
-def draw_result(run: Run, folder: str | os.PathLike[str]) -> list[Path]:
+def draw_result(run: Run, folder: str | os.PathLike[str], style: Style = SCREEN) -> list[Path]:
     """Draw the pictures of a release or launch into a folder; return their paths."""
     Path(folder).mkdir(parents=True, exist_ok=True)
     with reading_users_files():
         ring = run.ring.trajectory
-    return launch_plots.draw(run, ring, folder) if isinstance(run, Launch) else plots.draw(run, ring, folder)
+    if isinstance(run, Launch):
+        return launch_plots.draw(run, ring, folder, style)
+    return plots.draw(run, ring, folder, style)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,20 +12,21 @@ import numpy as np
 from beadband.analysis.readers import Trajectory
 from beadband.model.beam import at_rest_curvature, eq7_curvature
 from beadband.model.scales import SPEED_WINDOW
+from beadband.reporting.style import SCREEN, Style
 from beadband.reporting.summary import title_of
 
 if TYPE_CHECKING:
     from beadband.runs.results import Run
 
-_BLUE, _ORANGE, _GREEN, _GREY = "#1f5fa8", "#c8601a", "#2c7d4f", "#6b6b6b"
+BLUE, ORANGE, GREEN, GREY = "#1f5fa8", "#c8601a", "#2c7d4f", "#6b6b6b"
 _SNAPSHOTS = 7
 
 Panels = dict[str, Callable[[Any], None]]
 """What draws each picture into its axes, by name."""
 
 
-def draw(run: Run, ring: Trajectory, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write shapes.png, speed.png, curvature.png, energy.png and overview.png into the folder; return their paths."""
+def draw(run: Run, ring: Trajectory, folder: str | os.PathLike[str], style: Style = SCREEN) -> list[Path]:
+    """Write pictures of shapes, speed, curvature and energy, and an overview, into the folder; return their paths."""
     scene = run.plan.scene
     title = f"{title_of(scene)}, {run.plan.beads} beads"
     panels: Panels = {
@@ -34,47 +35,44 @@ def draw(run: Run, ring: Trajectory, folder: str | os.PathLike[str]) -> list[Pat
         "curvature": lambda axes: curvature(axes, run),
         "energy": lambda axes: energy(axes, run),
     }
-    return draw_panels(panels, title, folder)
+    return draw_panels(panels, title, folder, style)
 
 
-def draw_panels(panels: Panels, title: str, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write four panels as pictures of their own, and together as overview.png under the title; return their paths."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
+def draw_panels(
+    panels: Panels, title: str, folder: str | os.PathLike[str], style: Style = SCREEN, overview: str = "overview"
+) -> list[Path]:
+    """Write panels as pictures of their own, and together under the title as an overview; return their paths."""
     written = []
-    for name, panel in panels.items():
-        figure, axes = pyplot.subplots(figsize=(6.4, 4.2), layout="constrained")
-        panel(axes)
-        written.append(_save(figure, Path(folder) / f"{name}.png"))
+    with style.applied() as pyplot:
+        for name, panel in panels.items():
+            figure, axes = pyplot.subplots(figsize=style.size_in(6.4, 4.2), layout="constrained")
+            panel(axes)
+            written.append(style.save(figure, Path(folder) / name))
+            pyplot.close(figure)
+        rows = -(-len(panels) // 2)
+        size = style.size_in(12.0, 4.0 * rows)
+        if style.columns == 1:  # below each other
+            size = size[0], 2.0 * len(panels)
+        figure, grid = pyplot.subplots(*((len(panels), 1) if style.columns == 1 else (rows, 2)), figsize=size,
+                                       layout="constrained", squeeze=False)  # fmt: skip
+        for panel, axes in zip(panels.values(), grid.flat, strict=False):
+            panel(axes)
+        figure.suptitle(title)
+        written.append(style.save(figure, Path(folder) / overview))
         pyplot.close(figure)
-    figure, grid = pyplot.subplots(2, 2, figsize=(12.0, 8.0), layout="constrained")
-    for panel, axes in zip(panels.values(), grid.flat, strict=True):
-        panel(axes)
-    figure.suptitle(title)
-    written.append(_save(figure, Path(folder) / "overview.png"))
-    pyplot.close(figure)
     return written
 
 
-def _save(figure: Any, path: Path) -> Path:
-    figure.savefig(path, dpi=130)
-    return path
-
-
 def shapes(axes: Any, run: Run, ring: Trajectory) -> None:
-    """Snapshots of the ring around the finger, from held (light) to the front's arrival (dark)."""
+    """Snapshots of the ring around the finger, from held (light) to the end (dark)."""
     from matplotlib import colormaps
     from matplotlib.patches import Circle
 
     times = ring.times_s(run.plan.timestep_s)
     chosen = np.unique(np.linspace(0, len(times) - 1, _SNAPSHOTS).round().astype(int))
     shades = colormaps["viridis_r"](np.linspace(0.15, 1.0, len(chosen)))
-    axes.add_patch(
-        Circle((run.held.finger_centre_m * 1e3, 0.0), run.held.finger_radius_m * 1e3, color="#e4e0da", label="finger")
-    )
+    centre = (run.held.finger_centre_m * 1e3, 0.0)
+    axes.add_patch(Circle(centre, run.held_radius_m * 1e3, color="#e4e0da", label="finger"))
     for frame, shade in zip(chosen, shades, strict=True):
         points = ring.positions_m[frame] * 1e3
         closed = np.concatenate([points, points[:1]])
@@ -89,10 +87,10 @@ def speed(axes: Any, run: Run) -> None:
     rear, plan = run.measurement.rear, run.plan
     arrival = plan.front_arrival_s
     value = run.speed.value
-    axes.plot(rear.times_s * 1e3, rear.tip_speed_m_s, color=_BLUE, linewidth=0.9, label="rear tip")
-    axes.axhline(plan.string.rear_speed_m_s, color=_GREY, linestyle="--", linewidth=1.2, label="string limit (EI → 0)")
+    axes.plot(rear.times_s * 1e3, rear.tip_speed_m_s, color=BLUE, linewidth=0.9, label="rear tip")
+    axes.axhline(plan.string.rear_speed_m_s, color=GREY, linestyle="--", linewidth=1.2, label="string limit (EI → 0)")
     window = [share * arrival * 1e3 for share in SPEED_WINDOW]
-    axes.plot(window, [value, value], color=_ORANGE, linewidth=2.5, label=f"V = {run.speed} m/s")
+    axes.plot(window, [value, value], color=ORANGE, linewidth=2.5, label=f"V = {run.speed} m/s")
     axes.set(xlabel="time (ms)", ylabel="speed (m/s)", title="speed of the rear tip", xlim=(0.0, arrival * 1e3))
     axes.set_ylim(0.0, 1.5 * max(value, plan.string.rear_speed_m_s))
     axes.legend(fontsize=8, loc="lower right", frameon=False)
@@ -103,13 +101,13 @@ def curvature(axes: Any, run: Run) -> None:
     found, plan = run.measurement, run.plan
     later = found.rear.times_s > 0.0
     times = found.rear.times_s[later]
-    axes.loglog(times * 1e3, found.rear.tip_curvature_1_m[later], color=_BLUE, linewidth=1.1, label="rear tip")
+    axes.loglog(times * 1e3, found.rear.tip_curvature_1_m[later], color=BLUE, linewidth=1.1, label="rear tip")
     if plan.scene.bending_stiffness_n_m2 > 0.0:
         diffusivity = plan.scene.bending_diffusivity_m2_s
         angle = plan.scene.half_angle_rad
-        axes.loglog(times * 1e3, eq7_curvature(times, angle, diffusivity), "--", color=_ORANGE, label="Eq. 7")
+        axes.loglog(times * 1e3, eq7_curvature(times, angle, diffusivity), "--", color=ORANGE, label="Eq. 7")
         axes.loglog(
-            times * 1e3, at_rest_curvature(times, angle, diffusivity), ":", color=_GREEN, label="beam kink at rest"
+            times * 1e3, at_rest_curvature(times, angle, diffusivity), ":", color=GREEN, label="beam kink at rest"
         )
     if found.decay is not None:
         axes.axvspan(
@@ -125,14 +123,20 @@ def curvature(axes: Any, run: Run) -> None:
 
 def energy(axes: Any, run: Run) -> None:
     """Where the stored energy goes."""
+    shares(axes, run, {"kinetic": (run.energy.kinetic_j, ORANGE)})
+
+
+def shares(axes: Any, run: Run, moving: Mapping[str, tuple[Any, str]]) -> None:
+    """Energies over time as shares of the stored one; ``moving`` has the parts of the kinetic one and their colours."""
     balance = run.energy
     times, stored = balance.times_s * 1e3, balance.stored_j
-    for values, name, color in (
-        (balance.stretching_j, "stretching", _BLUE),
-        (balance.kinetic_j, "kinetic", _ORANGE),
-        (balance.dissipated_j, "dissipated", _GREY),
-        (balance.bending_j, "bending", _GREEN),
-    ):
+    parts = {
+        "stretching": (balance.stretching_j, BLUE),
+        **moving,
+        "dissipated": (balance.dissipated_j, GREY),
+        "bending": (balance.bending_j, GREEN),
+    }
+    for name, (values, color) in parts.items():
         axes.plot(times, values / stored, color=color, label=name)
     axes.set(
         xlabel="time (ms)",

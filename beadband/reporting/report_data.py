@@ -56,7 +56,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Finger:
-    """The cylinder in front, as the beads' centre line feels it."""
+    """The cylinder in front, with the radius at which it touches the centre line."""
 
     centre_m: float
     radius_m: float

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from beadband import observables
 from beadband.analysis.fits import Measured
 from beadband.model.scene import Scene
 from beadband.notices import percent, sentences
 from beadband.parameters import TABLE
-from beadband.planning.launch_plan import LaunchPlan
 from beadband.planning.plan import Plan
 from beadband.runs.results import Run
+
+if TYPE_CHECKING:
+    from beadband.planning.launch_plan import LaunchPlan
 
 # key of the row, heading, unit, factor from SI, format
 _BAND_COLUMNS: tuple[tuple[str, str, str, float, str], ...] = (
@@ -181,17 +183,28 @@ def _shares_text(values: Mapping[str, Any]) -> str | None:
 
 
 def _inputs_text(values: Mapping[str, Any]) -> str | None:
-    """What the inputs' errors cost, the largest shares first, beside the numerical error."""
+    """The error of V from the inputs, the largest shares first, next to the numerical error."""
     error, speed = values.get("rebound_speed_input_error_m_s"), values["rebound_speed_m_s"]
     if error is None:
         return None
-    ranked = sorted(values["inputs"], key=lambda one: -one["share"])
-    parts = ", ".join(f"{one['share']:.0%} {one['name']}" for one in ranked if one["share"] >= 0.005)
+    shares = _shares_together(values)
+    parts = ", ".join(f"{share:.0%} {name}" for name, share in sorted(shares.items(), key=lambda one: -one[1])
+                      if share >= 0.005)  # fmt: skip
     numerical = values[observables.error_key("rebound_speed_m_s")]
     drawn = values.get("input_samples")
     more = f"; {drawn['error_m_s']:.2g} m/s over {drawn['draws'] - drawn['refused']} draws" if drawn else ""
     both = math.hypot(error, numerical)
     return f"+/- {error:.2g} m/s ({error / abs(speed):.2g} of V): {parts}{more}; with the numerical one {both:.2g} m/s"
+
+
+def _shares_together(values: Mapping[str, Any]) -> dict[str, float]:
+    """Share of each input in the variance; constants whose errors are correlated count together."""
+    shares: dict[str, float] = {}
+    for one in values["inputs"]:
+        fitted = values["scene"].get("covariance") and TABLE[one["name"].partition("[")[0]].section == "law"
+        name = "constants of the law together" if fitted else one["name"]
+        shares[name] = shares.get(name, 0.0) + one["share"]
+    return shares
 
 
 _SPECIAL: observables.Special = {
@@ -221,10 +234,11 @@ def sweep(summary: dict[str, Any]) -> str:
     lines = [f"{summary['scenes']} scenes: " + ", ".join(f"{count} {name}" for name, count in sorted(status.items()))]
     if run["released"]:
         where = f"with {run['jobs']} jobs" if run["jobs"] else "on the given executor"
-        lines.append(
-            f"  {run['released']} released in {run['wall_s']:.1f} s, {run['scenes_per_s']:.0f} a second {where}; "
-            f"{run['lammps_share'] or 0.0:.0%} of the work inside LAMMPS"
-        )
+        inside = f"; {run['lammps_share']:.0%} of the work inside LAMMPS" if run["lammps_share"] else ""
+        rate = f"{run['scenes_per_s']:.{0 if run['scenes_per_s'] >= 10.0 else 1}f} a second"
+        lines.append(f"  {run['released']} new scenes in {run['wall_s']:.1f} s, {rate} {where}{inside}")
+    for code, found in summary["without_result"].items():
+        lines.append(f"  no result for {found['scenes']} ({code}), the first: {found['first']}")
     if summary["relative_error"]:
         error = summary["relative_error"]
         lines.append(
@@ -244,7 +258,8 @@ def sweep(summary: dict[str, Any]) -> str:
 
 def heading(scene: Scene, degrees: str = " deg") -> str:
     """What was asked for, in one line."""
-    return f"Band {scene.label}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g}{degrees}, {scene.law}"
+    law = "" if scene.law in scene.label.split(", ") else f", {scene.law}"
+    return f"Band {scene.label}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g}{degrees}{law}"
 
 
 def title_of(scene: Scene) -> str:

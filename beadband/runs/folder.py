@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import tempfile
@@ -123,6 +122,8 @@ def require(folder: str | os.PathLike[str], *names: str) -> Path:
 
 def fingerprints(folder: Path) -> dict[str, dict[str, Any]]:
     """Size and SHA-256 of each file from which results are made."""
+    import hashlib
+
     found = {}
     for path in (folder / name for name in MEASURED):
         if path.is_file():

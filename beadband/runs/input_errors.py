@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,8 +19,8 @@ from beadband.lammps.engine import Session
 from beadband.model.scene import Scene
 from beadband.model.uncertainty import BENDING, Array, Inputs, basis, changed, elasticities, inputs_of
 from beadband.planning.plan import Plan, plan_of
+from beadband.runs.batch import follow_rears
 from beadband.runs.measurement import Measurement
-from beadband.runs.rear_run import follow_rear
 
 TOLERANCE = 0.01
 """Tolerance for which the legs of the derivatives are planned: what is left of it cancels."""
@@ -90,6 +90,10 @@ class _Answer:
         )
 
 
+_ANSWER = ("speed", "exponent", "ratio")
+"""The parts of an answer, in their order."""
+
+
 def budget_of(scene: Scene, speed_m_s: float, session: Session | None = None) -> Budget | None:
     """The part of the inputs in the error of V, and of the curvature where it is asked for; None without errors.
 
@@ -106,7 +110,7 @@ def budget_of(scene: Scene, speed_m_s: float, session: Session | None = None) ->
         base = plan_of(replace(bare, auto_tolerance=False, tolerance=max(TOLERANCE, scene.tolerance)), "leg")
         wanted = basis(scene, inputs.names)
         steps = dict(zip(inputs.names, np.abs(inputs.errors / inputs.values), strict=True))
-        slopes = {name: _derivative(base, name, steps.get(name, _BENDING_STEP), own) for name in wanted}
+        slopes = _derivatives(base, {name: steps.get(name, _BENDING_STEP) for name in wanted}, own)
         drawn = _sampled(base, inputs, scene.samples, own) if scene.samples else None
 
     def joined(which: str, total: float) -> tuple[Array, Array, float]:
@@ -147,31 +151,39 @@ def same_discretisation(base: Plan, changes: Mapping[str, float]) -> Plan:
     )
 
 
-def _derivative(base: Plan, name: str, error: float, session: Session) -> _Answer:
-    """d ln V, d exponent and d ln ratio by d ln of an input, from two legs."""
-    step = _BENDING_STEP if name == BENDING else min(max(error, _LEAST_STEP), _MOST_STEP)
+def _derivatives(base: Plan, errors: Mapping[str, float], session: Session) -> dict[str, _Answer]:
+    """d ln V, d exponent and d ln ratio by d ln of inputs, from two legs for each; all are released together."""
+    steps, plans = {}, []
+    for name, error in errors.items():
+        steps[name] = _BENDING_STEP if name == BENDING else min(max(error, _LEAST_STEP), _MOST_STEP)
+        plans += _ends(base, name, error, steps[name])
+    answers = []
+    for found in follow_rears(plans, session):
+        if isinstance(found, BeadbandError):
+            raise found
+        answers.append(_Answer.of(found))
+    return {
+        name: _Answer(*((getattr(high, each) - getattr(low, each)) / (2.0 * step) for each in _ANSWER))
+        for (name, step), low, high in zip(steps.items(), answers[::2], answers[1::2], strict=True)
+    }
+
+
+def _ends(base: Plan, name: str, error: float, step: float) -> list[Plan]:
+    """Plans of the scenes with an input a step lower and higher; UsageError where one has no answer."""
     key, _, place = name.partition("[")
     given = base.scene.as_dict()[key]
     value = given[int(place[:-1])] if place else given
-    ends = []
-    for sign in (-1.0, 1.0):
-        try:
-            plan = same_discretisation(base, {name: value * math.exp(sign * step)})
-        except UsageError as refused:
-            raise UsageError(
-                explain(
-                    f"the error of {name} reaches a scene that has no answer",
-                    f"{name} {value:.6g} with an error of {error:.2g} of it ({refused})",
-                    "a scene further from the edge, or a smaller error",
-                    "change the scene",
-                )
-            ) from refused
-        ends.append(_Answer.of(follow_rear(plan, session)))
-    low, high = ends
-    width = 2.0 * step
-    return _Answer(
-        (high.speed - low.speed) / width, (high.exponent - low.exponent) / width, (high.ratio - low.ratio) / width
-    )
+    try:
+        return [same_discretisation(base, {name: value * math.exp(sign * step)}) for sign in (-1.0, 1.0)]
+    except UsageError as refused:
+        raise UsageError(
+            explain(
+                f"the error of {name} reaches a scene that has no answer",
+                f"{name} {value:.6g} with an error of {error:.2g} of it ({refused})",
+                "a scene further from the edge, or a smaller error",
+                "change the scene",
+            )
+        ) from refused
 
 
 def _sampled(base: Plan, inputs: Inputs, draws: int, session: Session, seed: int = 0) -> Sampled:
@@ -181,13 +193,12 @@ def _sampled(base: Plan, inputs: Inputs, draws: int, session: Session, seed: int
     values, vectors = np.linalg.eigh(inputs.covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     normal = norm.ppf(qmc.LatinHypercube(len(inputs.names), seed=seed).random(draws))
-    speeds = []
+    plans = []
     for point in inputs.values + normal @ root.T:
-        try:
-            plan = same_discretisation(base, dict(zip(inputs.names, point.tolist(), strict=True)))
-            speeds.append(follow_rear(plan, session).fitted_speed_m_s.value)
-        except BeadbandError:
-            continue
+        with suppress(BeadbandError):
+            plans.append(same_discretisation(base, dict(zip(inputs.names, point.tolist(), strict=True))))
+    answers = follow_rears(plans, session)
+    speeds = [one.fitted_speed_m_s.value for one in answers if isinstance(one, Measurement)]
     if len(speeds) < max(2, draws // 2):
         raise UsageError(
             explain(

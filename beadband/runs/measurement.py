@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 
 from beadband.analysis.curvature import Decay, decay
 from beadband.analysis.fits import Measured, path_slope, slope
 from beadband.analysis.readers import ReadError, Trajectory
 from beadband.analysis.rear import Rear, rear_of
-from beadband.errors import BeadbandError, UsageError, explain
+from beadband.errors import BeadbandError, RunError, UsageError, explain
 from beadband.model.beam import eq7_curvature
 from beadband.model.scales import SPEED_WINDOW, SimilarityWindow
 from beadband.planning.plan import Plan
@@ -26,7 +27,7 @@ class Measurement:
     window: SimilarityWindow
     decay: Decay | None
     no_decay: str | None
-    """Why there is no decay, if there is none."""
+    """Why no decay is reported, where that is so."""
 
 
 def measure_rear(plan: Plan, trajectory: Trajectory) -> Rear:
@@ -74,3 +75,9 @@ def reading(kind: type[BeadbandError]) -> Iterator[None]:
         yield
     except ReadError as error:
         raise kind(explain(error.wrong, error.given, error.expected, "run it again"), "unreadable-file") from error
+
+
+reading_own_files = partial(reading, RunError)
+"""Context in which a file that can't be read is a RunError: the request was sound, what LAMMPS wrote is not."""
+reading_users_files = partial(reading, UsageError)
+"""Context in which it is a UsageError: the folder is the user's."""

@@ -2,35 +2,27 @@
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Sequence
 
-from beadband.analysis.readers import read, read_path
-from beadband.errors import BeadbandError, RunError, UsageError
-from beadband.lammps.engine import Session, run_script
-from beadband.lammps.scripts import leg_variables, script_text, write_leg, write_ring
+from beadband.errors import BeadbandError
+from beadband.lammps.engine import Session
 from beadband.planning.plan import Plan, plan_of
-from beadband.runs import folder as files
-from beadband.runs.measurement import Measurement, measure, reading
+from beadband.runs.batch import follow_rears
+from beadband.runs.held import hold, hold_leg
+from beadband.runs.measurement import Measurement, reading_own_files, reading_users_files
 from beadband.runs.results import Estimate, NoEstimate, RearRun
-from beadband.statics.leg import Leg, held_leg
-from beadband.statics.ring import Ring, stretched_ring
 
-reading_own_files = partial(reading, RunError)
-"""Context in which a file that can't be read is a RunError: the request was sound, what LAMMPS wrote is not."""
-reading_users_files = partial(reading, UsageError)
-"""Context in which it is a UsageError: the folder is the user's."""
-
-
-def hold(plan: Plan) -> Ring:
-    """The held ring of a plan."""
-    scene = plan.scene
-    return stretched_ring(scene.strand(plan.beads), plan.beads, scene.strain, scene.half_angle_rad)
-
-
-def hold_leg(plan: Plan) -> Leg:
-    """The held leg of a plan."""
-    scene = plan.scene
-    return held_leg(scene.strand(plan.beads), plan.leg_bonds, scene.strain, scene.half_angle_rad)
+__all__ = [
+    "estimate_of",
+    "follow_rear",
+    "follow_rears",
+    "hold",
+    "hold_leg",
+    "reading_own_files",
+    "reading_users_files",
+    "rear_run",
+    "rear_runs",
+]
 
 
 def follow_rear(plan: Plan, session: Session | None = None) -> Measurement:
@@ -38,19 +30,10 @@ def follow_rear(plan: Plan, session: Session | None = None) -> Measurement:
 
     A plan of one leg runs in the ``session``, or in one of its own; RunError when LAMMPS fails.
     """
-    if plan.model == "ring":
-        with files.scratch() as folder, reading_own_files():
-            write_ring(folder, plan, hold(plan), pictures=False)
-            run_script(folder, files.SCRIPT)
-            return measure(plan, read(folder / files.REAR))
-    if session is None:
-        with Session() as own:
-            return follow_rear(plan, own)
-    leg = hold_leg(plan)
-    write_leg(session.folder, plan, leg)
-    session.run(script_text(files.LEG_SCRIPT), leg_variables(plan, leg))
-    with reading_own_files():
-        return measure(plan, read_path(session.folder / files.PATH, leg.positions_m, plan.beads))
+    (found,) = follow_rears([plan], session)
+    if isinstance(found, BeadbandError):
+        raise found
+    return found
 
 
 def rear_run(plan: Plan, session: Session | None = None) -> RearRun:
@@ -61,10 +44,39 @@ def rear_run(plan: Plan, session: Session | None = None) -> RearRun:
     return RearRun(plan, follow_rear(plan, session), estimate_of(plan, session))
 
 
+def rear_runs(plans: Sequence[Plan], session: Session | None = None) -> list[RearRun | BeadbandError]:
+    """:func:`rear_run` of many plans, in their order, with the error in the place of one that failed."""
+    coarse: list[Plan | BeadbandError] = []
+    for plan in plans:
+        try:
+            coarse.append(_coarse(plan))
+        except BeadbandError as error:
+            coarse.append(error)
+    found = follow_rears([*plans, *(one for one in coarse if isinstance(one, Plan))], session)
+    rest = iter(found[len(plans) :])
+    runs: list[RearRun | BeadbandError] = []
+    for plan, one, other in zip(plans, found, coarse, strict=False):
+        second = next(rest) if isinstance(other, Plan) else other
+        if isinstance(one, BeadbandError):
+            runs.append(one)
+        else:
+            runs.append(RearRun(plan, one, _judged(plan, second)))
+    return runs
+
+
 def estimate_of(plan: Plan, session: Session | None = None) -> Estimate | NoEstimate:
     """The release again with half the beads; the reason where that is impossible."""
-    beads = plan.beads // 2
     try:
-        return Estimate.of(beads, follow_rear(plan_of(plan.scene.with_beads(beads), "leg"), session))
+        return _judged(plan, follow_rear(_coarse(plan), session))
     except BeadbandError as error:
-        return NoEstimate(error.code, str(error))
+        return _judged(plan, error)
+
+
+def _coarse(plan: Plan) -> Plan:
+    return plan_of(plan.scene.with_beads(plan.beads // 2), "leg")
+
+
+def _judged(plan: Plan, found: Measurement | BeadbandError) -> Estimate | NoEstimate:
+    if isinstance(found, BeadbandError):
+        return NoEstimate(found.code, str(found))
+    return Estimate.of(plan.beads // 2, found)

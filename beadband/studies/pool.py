@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
 from queue import SimpleQueue
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from beadband.errors import BeadbandError, RunError, UsageError, explain
 from beadband.lammps.engine import Session
@@ -52,6 +52,15 @@ class Failed:
         return cls(error.code, str(error), isinstance(error, UsageError))
 
 
+@dataclass(frozen=True)
+class Together(Generic[T, R]):
+    """A function that does many tasks at once for less than one by one."""
+
+    function: Callable[[list[T]], list[R | BeadbandError]]
+    """Gives for each item its result, or the error for which it has none. No result depends on the other items."""
+
+
+Task = Callable[[T], R] | Together[T, R]
 Chunk = list[tuple[int, T]]
 """Tasks that are handed over at once, each with its place among the items."""
 Outcomes = list[tuple[int, R | Failed]]
@@ -66,14 +75,16 @@ def jobs_of(jobs: int | None) -> int:
     return jobs
 
 
-def run_all(function: Callable[[T], R], items: Sequence[T], **options: Any) -> list[R | Failed]:
+def run_all(function: Task[T, R], items: Sequence[T], **options: Any) -> list[R | Failed]:
     """Outcomes of :func:`run_tasks`, with its options, in the order of the items."""
-    found = dict(run_tasks(function, items, **options))
+    found: dict[int, R | Failed] = {}
+    for index, outcome in run_tasks(function, items, **options):
+        found[index] = outcome
     return [found[index] for index in range(len(items))]
 
 
 def run_tasks(
-    function: Callable[[T], R],
+    function: Task[T, R],
     items: Sequence[T],
     *,
     jobs: int | None = None,
@@ -86,7 +97,8 @@ def run_tasks(
     Parameters
     ----------
     function, items
-        Both can be pickled, unless everything happens in this process.
+        Both can be pickled, unless everything happens in this process. A :class:`Together` is called with the items of
+        a chunk.
     jobs
         Spawned processes; None for one per core. With 1 the tasks run in this process, in order.
     executor
@@ -107,11 +119,12 @@ def run_tasks(
     size = max(1, min(chunk, len(items) // (4 * workers)))
     tasks = list(enumerate(items))
     chunks = deque(tasks[first : first + size] for first in range(0, len(tasks), size))
+    singles = ([task] for task in tasks)
     completed: Generator[Outcomes[R], None, None]
     if executor is not None:
         completed = _on_executor(executor, function, chunks)
     elif workers == 1:
-        completed = (_work(function, [task]) for task in tasks)
+        completed = (_work(function, some) for some in (chunks if isinstance(function, Together) else singles))
     else:
         completed = _on_processes(function, chunks, workers)
     done = 0
@@ -164,10 +177,12 @@ def close_session() -> None:
             _session = None
 
 
-def _work(function: Callable[[T], R], chunk: Chunk[T]) -> Outcomes[R]:
+def _work(function: Task[T, R], chunk: Chunk[T]) -> Outcomes[R]:
     """Some tasks in this process; an exception that is a fault carries a note with its item."""
     outcomes: Outcomes[R] = []
     with _turn:
+        if isinstance(function, Together):
+            return _work_together(function, chunk)
         for index, item in chunk:
             try:
                 outcomes.append((index, function(item)))
@@ -177,6 +192,18 @@ def _work(function: Callable[[T], R], chunk: Chunk[T]) -> Outcomes[R]:
                 error.add_note(f"in task {index}: {reprlib.repr(item)}")
                 raise
     return outcomes
+
+
+def _work_together(function: Together[T, R], chunk: Chunk[T]) -> Outcomes[R]:
+    try:
+        found = function.function([item for _, item in chunk])
+    except Exception as error:
+        error.add_note(f"in tasks {chunk[0][0]} to {chunk[-1][0]}, of which the first is {reprlib.repr(chunk[0][1])}")
+        raise
+    return [
+        (index, Failed.of(one) if isinstance(one, BeadbandError) else one)
+        for (index, _), one in zip(chunk, found, strict=True)
+    ]
 
 
 def _completed(
@@ -208,7 +235,7 @@ def _completed(
 
 
 def _on_executor(
-    executor: Executor, function: Callable[[T], R], chunks: deque[Chunk[T]]
+    executor: Executor, function: Task[T, R], chunks: deque[Chunk[T]]
 ) -> Generator[Outcomes[R], None, None]:
     for _, future in _completed(executor, partial(_work, function), chunks, len(chunks)):
         try:
@@ -219,7 +246,7 @@ def _on_executor(
             ) from error
 
 
-def _on_processes(function: Callable[[T], R], chunks: deque[Chunk[T]], jobs: int) -> Generator[Outcomes[R], None, None]:
+def _on_processes(function: Task[T, R], chunks: deque[Chunk[T]], jobs: int) -> Generator[Outcomes[R], None, None]:
     """Spawned processes. The tasks that were handed out when one died are repeated one at a time, to find the cause."""
     # More threads than cores slow small systems down; a setting of the user's stays.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -240,7 +267,7 @@ def _on_processes(function: Callable[[T], R], chunks: deque[Chunk[T]], jobs: int
 
 
 def _until_death(
-    function: Callable[[T], R], waiting: deque[Chunk[T]], jobs: int, ahead: int
+    function: Task[T, R], waiting: deque[Chunk[T]], jobs: int, ahead: int
 ) -> Generator[Outcomes[R], None, list[Chunk[T]]]:
     """Take from what is waiting until nothing is left, or a process dies; return the chunks that this lost."""
     # Spawned, for LAMMPS and MPI do not survive a fork.
@@ -287,7 +314,7 @@ def _watch_interrupts() -> None:
     signal.signal(signal.SIGINT, interrupt)
 
 
-def _work_until_interrupted(function: Callable[[T], R], chunk: Chunk[T]) -> Outcomes[R]:
+def _work_until_interrupted(function: Task[T, R], chunk: Chunk[T]) -> Outcomes[R]:
     global _busy
     if _interrupted:
         raise KeyboardInterrupt

@@ -10,7 +10,7 @@ import pytest
 
 from beadband.analysis.curvature import curvatures, decay
 from beadband.analysis.fits import Measured, hann_mean, slope
-from beadband.analysis.readers import ReadError, Trajectory, read
+from beadband.analysis.readers import ReadError, Trajectory, averaged_rear, read, read_rears
 
 
 def test_slope_of_a_line_is_exact() -> None:
@@ -29,6 +29,15 @@ def test_slope_error_covers_correlated_noise() -> None:
         found = slope(t, 2.0 * t + 0.1 * noise, 0.0, 1.0)
         inside += abs(found.value - 2.0) < 2.0 * found.error
     assert inside > 180  # two standard errors of a white-noise formula would hold only about half of them
+
+
+def test_a_frame_at_the_end_of_the_interval_counts_however_its_time_is_rounded() -> None:
+    times = np.linspace(0.0, 1.0, 21)
+    values = times**3
+    fits = {slope(times * (1.0 + shift), values, 0.4, 0.85).value for shift in (-2e-16, 0.0, 2e-16, 1e-15)}
+    assert max(fits) - min(fits) < 1e-12
+    inner = slope(times, values, 0.401, 0.849).value
+    assert abs(inner - max(fits)) > 1e-3
 
 
 def test_slope_needs_frames() -> None:
@@ -58,6 +67,18 @@ def test_hann_mean_of_a_line_is_its_value_at_the_centre() -> None:
     assert hann_mean(t, 5.0 * t + 1.0, 0.5, 0.03) == pytest.approx(3.5, rel=1e-12)
     with pytest.raises(ValueError, match="no frame"):
         hann_mean(t, t, 2.0, 0.03)
+
+
+def test_the_rear_of_a_leg_is_averaged_and_mirrored() -> None:
+    path = np.random.default_rng(1).normal(size=(13, 2, 2))
+    path[:, 0, 1] = 0.0
+    found = averaged_rear(path, 3, 40)
+    assert found.steps.tolist() == [0, 3, 6, 9, 12]
+    assert found.ids.tolist() == [1, 2, 40]
+    assert np.array_equal(found.positions_m[0], [path[0, 0], path[0, 1], path[0, 1] * [1.0, -1.0]])
+    assert found.positions_m[2, 0] == pytest.approx(path[4:7, 0].mean(axis=0), rel=1e-14)
+    assert found.positions_m[4, 1] == pytest.approx(path[10:13, 1].mean(axis=0), rel=1e-14)
+    assert np.array_equal(found.positions_m[:, 2], found.positions_m[:, 1] * [1.0, -1.0])
 
 
 def test_averaged_frames_have_the_time_of_their_middle() -> None:
@@ -90,3 +111,11 @@ def test_a_cut_dump_is_refused_wherever_it_ends(tmp_path: Path) -> None:
             read(path)
     with pytest.raises(ReadError, match="no bead 3"):
         Trajectory(np.array([0]), np.array([1, 2]), np.zeros((1, 2, 2))).bead(3)
+
+
+@pytest.mark.parametrize("size", [0, 100, 400])
+def test_a_dump_of_legs_that_is_not_whole_is_refused(tmp_path: Path, size: int) -> None:
+    path = tmp_path / "legs.bin"
+    path.write_bytes(b"DUMPCUSTOM"[: size % 11] * size)
+    with pytest.raises(ReadError, match=r"legs\.bin can't be read"):
+        read_rears(path, 3, 1)

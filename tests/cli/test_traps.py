@@ -16,7 +16,7 @@ import pytest
 import beadband
 from beadband import commands, observables, parameters
 from beadband.cli import main
-from beadband.errors import RunError
+from beadband.errors import RunError, UsageError
 from beadband.model.scene import scene_of
 from beadband.planning.launch_plan import launch_plan_of
 from beadband.planning.plan import plan_of
@@ -55,7 +55,7 @@ def refusal(capsys: Capture, command: str) -> str:
     ("command", "words"),
     [
         (f"run {OWN} --modulus 1.35e6", ["--modulus does not change the stress", "--c10 --c01", "--law linear"]),
-        ("run --law linear --c10 1e5", ["--c10 is not used by the law linear", "given 100000"]),
+        ("run --law linear --c10 1e5", ["--c10 is not used by the law linear", "given --c10 100000"]),
         ("pareto --loss-time 1e-6", ["--loss-time is not used by 'beadband pareto'"]),
         ("pareto --beads 100", ["--beads is not used by 'beadband pareto'"]),
         ("pareto --timestep 1e-7", ["--timestep is not used by 'beadband pareto'"]),
@@ -65,6 +65,14 @@ def refusal(capsys: Capture, command: str) -> str:
         ("run --until launch --frames 100000", ["too much disk", "100000 frames"]),
         ("run --beads 4", ["given 4; allowed: a whole number, 24 to 2000000"]),
         ("run --beads -10", ["given -10; allowed: a whole number, 24 to 2000000"]),
+        ("run --beads nan", ["given nan; allowed: a whole number, 24 to 2000000"]),
+        ("analyze nodir --strain 0.3", ["--strain is not used by 'beadband analyze': given --strain 0.3"]),
+        ("sweep --strain 0.3 --frames 10", ["--frames is not used by 'beadband sweep': given --frames 10"]),
+        ("sweep --strain 0.3 --seed 3", ["--seed is not used without --random"]),
+        ("plan --bending-scale 0 --bending-modulus rest", ["--bending-modulus is not used without bending"]),
+        ("plan --law linear --c10 187000", ["--c10 is not used by the law linear: given --c10 187000"]),
+        ("plan --softening-r 1.5", ["the softening lacks a constant: given r 1.5;"]),
+        ("bands --file none.toml", ["check --file"]),
         ("report nodir", ["not the folder of a run: given 'nodir' without results.json"]),
         ("plot nodir", ["not the folder of a run: given 'nodir'"]),
         ("movie nodir", ["not the folder of a run: given 'nodir'"]),
@@ -73,6 +81,13 @@ def refusal(capsys: Capture, command: str) -> str:
 def test_what_would_be_ignored_or_absurd_is_refused_by_name(command: str, words: list[str], capsys: Capture) -> None:
     said = refusal(capsys, command)
     assert [word for word in words if word not in said] == []
+
+
+@pytest.mark.parametrize("options", [{"loss_time": 5}, {"frames": 100_000}])
+def test_python_refuses_absurd_runs_too(options: dict[str, Any]) -> None:
+    with pytest.raises(UsageError, match="disk space") as refused:
+        beadband.run(**options)
+    assert refused.value.code == "absurd-run"
 
 
 def test_a_modulus_that_reaches_the_stress_is_taken(capsys: Capture) -> None:
@@ -133,6 +148,25 @@ def test_an_error_above_the_tolerance_is_said_per_row_and_in_the_totals(capsys: 
     assert "in 2 of 2 finished scenes above the tolerance" in capsys.readouterr().out
     with Path("table/sweep.csv").open() as table:
         assert [row["within_tolerance"] for row in csv.DictReader(table)] == ["no", "no"]
+
+
+def test_a_sweep_says_why_a_scene_has_no_result(capsys: Capture) -> None:
+    unused = "--c10 is not used by the law linear"
+    grid = ["sweep", "--strain", "0.3", "--c10", "2e5", "--beads", "60", "--jobs", "1"]
+    assert main([*grid, "--law", "linear,mooney-rivlin", "--out", "both"]) == 0
+    assert f"no result for 1 (unused-parameter), the first: {unused}" in capsys.readouterr().out
+    assert main([*grid, "--law", "linear", "--out", "none"]) == 2
+    assert f"no scene of the sweep has a result; the first: {unused}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["bands", "analyze nodir", "plot nodir", "report nodir", "movie nodir", "verify",
+                                     "reproduce", "launch-map", "stability", "find strain --speed 15",
+                                     *(name for name in parameters.COMMANDS if name != "find")])  # fmt: skip
+def test_every_option_of_a_scene_is_refused_where_it_is_not_used(command: str, capsys: Capture) -> None:
+    name = command.partition(" ")[0]
+    for one in list(parameters.TABLE.values()):
+        if one.section != "record" and name not in one.commands:
+            assert f"{one.flag} is not used by 'beadband {name}'" in refusal(capsys, f"{command} {one.flag} 0.3")
 
 
 def test_a_run_states_the_time_and_disk_that_were_predicted(default_run: tuple[Run, Path], capsys: Capture) -> None:
@@ -223,3 +257,18 @@ def test_no_message_names_a_function_of_the_program() -> None:
         for word in part.value.replace("(", " ").replace(")", " ").split()
     }
     assert said & (functions - known) == set()
+
+
+def test_what_python_shows_fits_a_screen() -> None:
+    swept = beadband.sweep(strain=[0.3], beads=60)
+    scene = beadband.scene(band="II")
+    shown = [beadband.plan(scene), beadband.plan(until="launch", beads=160), scene, swept]
+    assert all(len(line) < 120 for one in shown for line in repr(one).splitlines())
+    assert all(repr(one).count("\n") < 3 for one in shown)
+    assert repr(scene) == "<Scene: band II, strain 0.476, half-angle 14 deg, mooney-rivlin, until release>"
+    assert repr(swept) == "<Sweep of 1 scenes: 1 done>"
+
+
+def test_python_refuses_a_seed_without_draws() -> None:
+    with pytest.raises(UsageError, match="--seed is not used without --random"):
+        beadband.sweep(strain=[0.3], seed=4)

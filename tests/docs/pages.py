@@ -21,7 +21,7 @@ class Block:
     @property
     def file(self) -> str | None:
         """The file that the block is the content of: its first line is a comment with the name."""
-        found = re.match(r"# (\S+\.(?:py|toml))\n", self.text)
+        found = re.match(r"# (\S+\.(?:py|toml|csv))\n", self.text)
         return found[1] if found else None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -57,6 +58,20 @@ def test_the_tutorial(tmp_path: Path) -> None:
     assert again == pytest.approx(speed, rel=1e-3)
     assert (tmp_path / "speed.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "tutorial-run" / files.RESULTS).is_file()
+
+
+def test_the_lesson(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The notebook's cells in order, in one name space, as a kernel would run them."""
+    cells = json.loads((DOCS / "lesson.ipynb").read_text(encoding="utf-8"))["cells"]
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {"__name__": "__main__"}
+    for cell in cells:
+        if cell["cell_type"] == "code":
+            exec(compile("".join(cell["source"]), cell["id"], "exec"), names)
+    said = capsys.readouterr().out
+    free, arrival = map(float, re.findall(r"after ([\d.]+) ms", said))
+    assert 3.0 < free < arrival < 5.0
+    assert (tmp_path / "lesson" / "shapes.png").is_file()
 
 
 @pytest.mark.ovito

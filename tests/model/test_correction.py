@@ -36,8 +36,16 @@ def test_the_correction_vanishes_with_bending():
     assert found.inside[:4].all()
     assert np.all(np.abs(found.delta) < 0.2 * share)
     assert np.all(np.diff(found.error[1:4]) < 0.0)
-    # The share goes as the root of a_b, the eighth root of EI... squared: EI^(1/4).
+    # As the root of a_b, which is the root of EI.
     assert share[2] / share[1] == pytest.approx(1e-2**0.25, rel=0.05)
+
+
+def test_the_share_of_bending_is_its_kink_over_the_rear():
+    scenes = drawn(any_band, 40, 5)
+    shares = correction.bending_share(np.array([features(scene) for scene in scenes]))
+    for scene, share in zip(scenes, shares, strict=True):
+        kink = np.sqrt(scene.bending_diffusivity_m2_s / scene.scales.front_arrival_s)
+        assert share == pytest.approx(kink / (kink + scene.string.rear_speed_m_s), rel=1e-8)
 
 
 def test_thinner_than_fitted_the_bar_holds_all_of_the_correction():

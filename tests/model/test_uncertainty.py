@@ -29,8 +29,8 @@ def test_errors_are_read_from_texts_and_tables() -> None:
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"strain": "0.4 +/- x"}, "no number with an error"),
-        ({"strain": {"value": 0.4}}, "no number with an error"),
+        ({"strain": "0.4 +/- x"}, "not a number with an error"),
+        ({"strain": {"value": 0.4}}, "not a number with an error"),
         ({"strain": Uncertain(0.4, -0.1)}, "out of range"),
         ({"strain": Uncertain(0.4, math.inf)}, "out of range"),
         ({"beads": "200 +/- 3"}, "takes no uncertainty"),

@@ -8,7 +8,7 @@ import pytest
 
 from beadband.errors import UsageError
 from beadband.model.bands import CATALOGUE, band_of
-from beadband.model.laws import Linear
+from beadband.model.laws import Gent, Law, Linear, Yeoh
 from beadband.model.wedge import published_ratio, string_limit, wave_speeds, wedge_of
 
 PHI = math.radians(14.0)
@@ -43,6 +43,27 @@ def test_linear_string_in_closed_form() -> None:
         if (2 * 0.476 + q - sign * math.sqrt((2 * 0.476 + q) ** 2 - 4 * (1 - q) * 0.476**2)) / (2 * (1 - q)) > 0.0
     )
     assert found.residual_strain == pytest.approx(exact, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("law", "kind"),
+    [
+        (CATALOGUE["III"].rubber, "shock"),
+        (Linear(1.1e6), "sharp front"),
+        (Yeoh(2e5, 1e4, 5e3), "shock and fan"),
+        (Gent(3e5, 8.0), "shock and fan"),
+    ],
+    ids=lambda one: getattr(one, "name", one),
+)
+def test_the_limit_holds_for_the_admissible_wave(law: Law, kind: str) -> None:
+    """u sin(phi) = k (1 - sin(phi)) with u of the wave by the envelope, whichever way the limit was found."""
+    strain, phi, density = 1.0, math.radians(14.0), 1100.0
+    limit = string_limit(law, density, strain, phi)
+    behind = 1.0 + limit.residual_strain
+    wave = law.unloading_wave(1.0 + strain, behind, density)
+    assert wave.kind == kind
+    kink = math.sqrt(float(law.stress(behind)) * behind / density)
+    assert wave.particle_speed_m_s * math.sin(phi) == pytest.approx(kink * (1.0 - math.sin(phi)), rel=1e-10)
 
 
 def test_kink_condition_and_momentum_hold() -> None:

@@ -15,7 +15,7 @@ from beadband.analysis.readers import ReadError, read, read_mdanalysis
 from beadband.errors import UsageError
 from beadband.model.scene import KEYS, scene_of
 from beadband.model.scenefile import read_scene, scene_text
-from beadband.runs import dispatch, release
+from beadband.runs import dispatch, finish
 from beadband.runs import folder as files
 from beadband.runs.results import Run, to_json
 
@@ -94,7 +94,7 @@ def test_damaged_trajectories_are_refused(default_run: tuple[Run, Path], tmp_pat
     with pytest.raises(UsageError):
         dispatch.analyze(tmp_path)
     with pytest.raises(UsageError):
-        release.remeasure(tmp_path)
+        finish.remeasure(tmp_path)
     assert run.plan.steps > 0
 
 

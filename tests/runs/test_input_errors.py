@@ -14,7 +14,7 @@ from beadband.model.scene import Scene, scene_of
 from beadband.parameters import Uncertain
 from beadband.planning.plan import plan_of
 from beadband.runs import dispatch, release
-from beadband.runs.input_errors import _derivative, budget_of
+from beadband.runs.input_errors import _derivatives, budget_of
 from beadband.runs.rear_run import follow_rear
 
 
@@ -68,7 +68,7 @@ def test_similarity_is_what_legs_give(name: str, session: Session) -> None:
     )
     assert found is not None
     base = plan_of(scene_of({"for": "speed", "thickness_m": 4e-3, "tolerance": 0.002}), "leg")
-    direct = _derivative(base, name, 0.02, session).speed
+    direct = _derivatives(base, {name: 0.02}, session)[name].speed
     assert found.sensitivities[found.inputs.names.index(name)] == pytest.approx(direct, abs=8e-3)
 
 
@@ -108,7 +108,7 @@ def test_a_run_states_its_budget(tmp_path_factory: pytest.TempPathFactory) -> No
 
 
 def test_auto_without_errors_is_refused() -> None:
-    with pytest.raises(UsageError, match="needs inputs with errors"):
+    with pytest.raises(UsageError, match="needs inputs whose errors change V"):
         plan_of(scene_of({"tolerance": "auto"}))
     with pytest.raises(UsageError, match="nothing to draw"):
         scene_of({"samples": 10})

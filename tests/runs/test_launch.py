@@ -87,7 +87,7 @@ def test_a_stiffer_finger_comes_to_the_rigid_one() -> None:
         assert before[1] / after[1] == pytest.approx(10.0, rel=0.1)
 
 
-def test_nothing_moves_before_the_news(tmp_path: Path) -> None:
+def test_nothing_moves_before_the_front(tmp_path: Path) -> None:
     """A string with a linear law sends nothing ahead of its front: what lies on the finger rests until it comes."""
     plan = launch_plan_of(scene_of({"until": "launch", "law": "linear", "bending_scale": 0.0, "beads": 200}))
     write_launch(tmp_path, plan, *plan.held())
@@ -96,7 +96,8 @@ def test_nothing_moves_before_the_news(tmp_path: Path) -> None:
     times = ring.times_s(plan.timestep_s)
     wrapped = plan.held()[0].types == WRAPPED
     moved = np.abs(ring.positions_m - ring.positions_m[0])[:, wrapped].max(axis=(1, 2)) / plan.strand.spacing_m
-    assert moved[times < 0.5 * plan.release.front_arrival_s].max() < 1e-9
+    # The trajectory has ten digits of each position.
+    assert moved[times < 0.5 * plan.release.front_arrival_s].max() < 1e-7
     assert moved[times > 1.2 * plan.release.front_arrival_s].min() > 1e-2
 
 

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from second_method import Elements, Released, Rod, graded_nodes, held_shape, release
 
 from beadband.analysis.fits import Array, hann_mean, slope
-from beadband.runs.release import hold
+from beadband.runs.held import hold
 from conftest import rear_of
 
 # Band III and its wedge.

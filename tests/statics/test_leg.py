@@ -12,11 +12,10 @@ import pytest
 from beadband.analysis.fits import hann_mean
 from beadband.errors import RunError
 from beadband.lammps.engine import Session
-from beadband.lammps.scripts import script_text
 from beadband.model.scene import scene_of
 from beadband.planning.plan import Plan, plan_of
-from beadband.runs.rear_run import follow_rear, hold_leg
-from beadband.statics.leg import held_leg
+from beadband.runs.rear_run import follow_rear
+from beadband.statics.leg import _solve_tridiagonal, held_leg
 from beadband.statics.ring import stretched_ring
 
 
@@ -53,6 +52,17 @@ def test_without_bending_the_leg_is_straight() -> None:
     bonds = np.diff(leg.positions_m, axis=0)
     assert np.hypot(*bonds.T) == pytest.approx(np.full(40, scene.strand(200).spacing_m * 1.476), rel=1e-14)
     assert np.arctan2(bonds[:, 1], bonds[:, 0]) == pytest.approx(np.full(40, scene.half_angle_rad), rel=1e-14)
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 7, 64, 100])
+def test_tridiagonal_systems_side_by_side(size: int) -> None:
+    rng = np.random.default_rng(size)
+    beside, right = rng.uniform(-1.0, 1.0, (3, size - 1)), rng.normal(size=(3, size))
+    diagonal = rng.uniform(2.0, 3.0, (3, size))
+    found = _solve_tridiagonal(diagonal, beside, right)
+    for row in range(3):
+        matrix = np.diag(diagonal[row]) + np.diag(beside[row], 1) + np.diag(beside[row], -1)
+        assert found[row] == pytest.approx(np.linalg.solve(matrix, right[row]), rel=1e-12, abs=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -108,12 +118,3 @@ def test_session_survives_a_failed_run(session: Session) -> None:
     with pytest.raises(RunError):
         session.run("no_such_command", {})
     assert math.isfinite(follow_rear(leg_plan(beads=120), session).fitted_speed_m_s.value)
-
-
-def test_leg_script_names_every_variable_that_it_gets() -> None:
-    from beadband.lammps.scripts import leg_variables
-
-    plan = leg_plan()
-    text = script_text("leg.in")
-    for name in leg_variables(plan, hold_leg(plan)):
-        assert "${" + name + "}" in text

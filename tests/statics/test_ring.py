@@ -15,7 +15,7 @@ from beadband.lammps.scripts import bin_m, dashpot_cutoff_m, write_ring
 from beadband.model.scene import Scene, scene_of
 from beadband.planning.plan import plan_of
 from beadband.runs import folder as files
-from beadband.runs.release import hold
+from beadband.runs.held import hold
 from beadband.statics.chain import LONG_CHAIN, HalfRing, solve_blocks
 from beadband.statics.ring import LOWER, TIP, UPPER, WRAPPED, Ring, stretched_ring
 

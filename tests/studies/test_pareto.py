@@ -49,7 +49,8 @@ def session() -> Iterator[Session]:
 def test_production_variant_is_the_production_script(session: Session) -> None:
     plan = leg_plan(SCENE, 160)
     answer, cost = run_once(Method("beads", "production", plan), session)
-    assert answer.speed_m_s == follow_rear(plan, session).fitted_speed_m_s.value
+    # The same beads in other units, by another script: rounding and the reach of the bond table are left.
+    assert answer.speed_m_s == pytest.approx(follow_rear(plan, session).fitted_speed_m_s.value, rel=3e-8)
     assert 0.0 < cost.integrate_s < 1.0
 
 

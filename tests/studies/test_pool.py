@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from beadband.errors import RunError, UsageError
-from beadband.studies.pool import Failed, jobs_of, run_all, run_tasks
+from beadband.errors import BeadbandError, RunError, UsageError
+from beadband.studies.pool import Failed, Together, jobs_of, run_all, run_tasks
 
 NUMBERS = list(range(10))
 
@@ -159,3 +159,14 @@ def test_numbers_of_jobs() -> None:
     for jobs in (0, 1025):
         with pytest.raises(UsageError, match="--jobs"):
             jobs_of(jobs)
+
+
+def inverses(numbers: list[int]) -> list[float | BeadbandError]:
+    """Of many at once, with errors in their places."""
+    assert 1 <= len(numbers) <= 3
+    return [1.0 / number if number else UsageError("no inverse", "zero") for number in numbers]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_tasks_that_are_done_together_have_the_same_outcomes(jobs: int) -> None:
+    assert run_all(Together(inverses), NUMBERS, jobs=jobs, chunk=3) == EXPECTED

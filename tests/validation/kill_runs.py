@@ -22,8 +22,8 @@ import time
 from pathlib import Path
 
 from beadband.errors import UsageError
+from beadband.runs import finish
 from beadband.runs import folder as files
-from beadband.runs import release
 
 OPTIONS = ["--beads", "200", "--for", "speed"]
 
@@ -68,14 +68,14 @@ def look(folder: Path, ended: bool) -> tuple[str, str]:
     if files.RESULTS in names:
         try:
             values = json.loads((folder / files.RESULTS).read_text(encoding="utf-8"))
-            again = release.remeasure(folder)
+            again = finish.remeasure(folder)
         except (ValueError, UsageError) as error:
             return "finished", f"results.json is there and the run is not whole: {error}"
         # A whole results.json: the work was done, if the process lived to say so or not.
         same = values["rebound_speed_m_s"] == again.measurement.fitted_speed_m_s.value
         return ("finished" if ended else "finished before the kill"), "" if same else "results.json is of another run"
     try:
-        release.remeasure(folder)
+        finish.remeasure(folder)
         measured = ", measurable"
     except UsageError:
         measured = ""

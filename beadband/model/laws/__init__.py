@@ -1,6 +1,6 @@
 """Material laws: one class each, usable everywhere the moment it is registered.
 
-A law of one's own is a class like :class:`~beadband.model.laws.mooney_rivlin.MooneyRivlin` under ``@register``, in any
+Your own law is a class like :class:`~beadband.model.laws.mooney_rivlin.MooneyRivlin` under ``@register``, in any
 file: name the file in the environment variable BEADBAND_PLUGINS, or a module of it in the entry points of the group
 ``beadband.laws``.
 """

@@ -57,6 +57,9 @@ class Law:
     table_error: ClassVar[float] = 1e-6
     """Largest error of the force between the points of its bond table, over the force itself or the held one."""
 
+    one_formula: ClassVar[bool] = True
+    """Whether one smooth formula holds for all stretches, however far the strand was stretched."""
+
     @classmethod
     def constants(cls) -> tuple[Parameter, ...]:
         """Its constants, as the table of parameters has them."""

@@ -27,6 +27,7 @@ class Softened(Law):
     m_pa: float
     beta: float
     name = ""
+    one_formula = False
 
     def __post_init__(self) -> None:
         for name in ("name", "ends_because", "table_error"):

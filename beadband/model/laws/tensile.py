@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,10 +14,11 @@ from beadband.errors import UsageError, explain
 from beadband.model.laws.base import Law, constant
 from beadband.model.laws.curve import Curve
 from beadband.model.laws.registry import register
-from beadband.model.laws.smoothing import Smoothed, smoothed
 from beadband.model.roots import root
-from beadband.model.tensile_test import read_test
 from beadband.parameters import Parameter
+
+if TYPE_CHECKING:
+    from beadband.model.laws.smoothing import Smoothed
 
 MEETING = 0.05
 """Share by which loading and unloading stress at the held stretch may differ: the unloading curve is scaled by it."""
@@ -229,7 +230,7 @@ class Unloading(Law):
 
 
 def _stamp(path: str) -> tuple[int, int] | None:
-    """By which a file that has changed is told from the one that was read."""
+    """Its hash, by which a changed file is recognised."""
     try:
         found = os.stat(path)
     except (OSError, ValueError):
@@ -240,6 +241,9 @@ def _stamp(path: str) -> tuple[int, int] | None:
 @lru_cache(maxsize=16)
 def _curve_of(path: str, stamp: tuple[int, int] | None, unloading: bool) -> Smoothed:
     """The smoothed curve of a file: studies of many scenes read it once."""
+    from beadband.model.laws.smoothing import smoothed
+    from beadband.model.tensile_test import read_test
+
     return smoothed(read_test(path, unloading), from_rest=not unloading)
 
 

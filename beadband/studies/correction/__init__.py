@@ -15,9 +15,9 @@ import numpy as np
 
 import beadband
 from beadband.errors import UsageError, explain
-from beadband.model.correction import FEATURES, map_of
+from beadband.model.correction import FEATURES
 from beadband.studies.correction import runs
-from beadband.studies.correction.fit import fitted, held_out
+from beadband.studies.correction.fit import fitted, held_out, left_out
 
 __all__ = ["make"]
 
@@ -34,6 +34,7 @@ def make(
     held: int = 400,
     held_catalogue: int = 500,
     seed: int = 1,
+    families: bool = True,
     jobs: int | None = None,
     say: Callable[[str], None] = lambda text: None,
 ) -> Path:
@@ -47,6 +48,8 @@ def make(
         Scenes to fit to: of any law and band, and like the catalogue's.
     held, held_catalogue
         The same of held-out ones, once to calibrate the bar and once to report errors.
+    families
+        Whether to fit again without each family of laws, to see what the map is worth for a law that it never saw.
 
     Raises
     ------
@@ -70,7 +73,10 @@ def make(
     for kind in ("speed", "curvature"):
         say(f"{kind}: fitting")
         maps[kind] = fitted(kind, samples["train"], samples["calibration"], seed, jobs)
-        tried[kind] = held_out(kind, map_of(maps[kind]), maps[kind], samples["test"])
+        tried[kind] = held_out(kind, maps[kind], samples["test"])
+    if families:
+        say("speed: fitting without each family of laws")
+        tried["left_out"] = left_out(samples["train"], samples["calibration"], samples["test"], seed, jobs)
     record: dict[str, Any] = {
         "made_by": "python -m beadband.studies.correction",
         "version": beadband.__version__,

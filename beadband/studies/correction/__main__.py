@@ -8,6 +8,7 @@ import sys
 
 from beadband.errors import BeadbandError
 from beadband.studies.correction import make
+from beadband.studies.correction.report import tables
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -25,7 +26,7 @@ def main(arguments: list[str] | None = None) -> int:
     except BeadbandError as error:
         print(error, file=sys.stderr)
         return 2
-    print(json.dumps(json.loads(path.read_text())["held_out"], indent=1))
+    print(tables(json.loads(path.read_text())))
     return 0
 
 

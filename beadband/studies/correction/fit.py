@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from beadband.model.correction import FEATURES, Array, Map, bar_terms, bending_share, corrected, map_of
+from beadband.model.correction import FEATURES, Array, bar_terms, bending_share, corrected, map_of
 from beadband.studies import pool
 from beadband.studies.correction.runs import Booleans, Sample
 from beadband.studies.correction.training import Task, trained
@@ -19,8 +19,8 @@ _SHAPE = (
 )  # fmt: skip
 COLUMNS = {"speed": _SHAPE, "curvature": (*_SHAPE, "ln_window_start", "ln_window_end")}
 """Features that each map depends on."""
-HIDDEN = {"speed": (16, 16), "curvature": (10, 10)}
-NETWORKS, STEPS = 3, 100
+HIDDEN = {"speed": (22, 22), "curvature": (14, 14)}
+NETWORKS, STEPS = 4, 100
 COVERED = 0.98
 """Share of the true values that a bar is to hold."""
 FLOOR = {"speed": 1e-4, "curvature": 5e-4}
@@ -37,8 +37,12 @@ _EDGE = 0.05
 """Share of a range next to its ends that counts as the edge."""
 _FARTHEST, _WIDEST = 1.02, 0.99
 """Reach of the region beyond the farthest scene that was fitted, and the quantile of the networks' scatter it keeps."""
-_FEWEST = 50
+_FEWEST = 60
 """Scenes of a group below which its own quantile is not asked for."""
+
+
+_CATALOGUE = {"catalogue", "linear", "mooney-rivlin"}
+"""Families that the catalogue's scenes are of too, so that they can't be left out."""
 
 
 def values_of(kind: str, sample: Sample) -> tuple[Array, Array, Array, Booleans]:
@@ -113,7 +117,7 @@ def _calibrated(kind: str, table: dict[str, Any], calibration: Sample) -> dict[s
     }
     bare = corrected(kind, map_of(table | {"floor": 0.0}), numbers)
     misses = np.abs(relative_miss(kind, bare.delta, calibration)) / bare.error
-    inside = {name: group[known] & bare.inside for name, group in groups(kind, calibration, table).items()}
+    inside = {name: group[known] & bare.inside for name, group in groups(calibration, table).items()}
     factor = max(
         float(np.quantile(misses[group], COVERED, method="higher"))
         for group in inside.values()
@@ -131,7 +135,7 @@ def relative_miss(kind: str, delta: Any, sample: Sample) -> Array:
     return missed
 
 
-def groups(kind: str, sample: Sample, table: Mapping[str, Any]) -> dict[str, Booleans]:
+def groups(sample: Sample, table: Mapping[str, Any]) -> dict[str, Booleans]:
     """Scenes by what their bars are tried on: all, by their wave, those like the catalogue's, and at the edges."""
     first = [FEATURES.index(name) for name in ("ln_strain", "half_angle_rad", "ln_spread")]
     places = [table["columns"].index(FEATURES[column]) for column in first]
@@ -147,14 +151,31 @@ def groups(kind: str, sample: Sample, table: Mapping[str, Any]) -> dict[str, Boo
     }
 
 
-def held_out(kind: str, chosen: Map, table: Mapping[str, Any], sample: Sample) -> dict[str, dict[str, float]]:
-    """Relative errors and bars on held-out scenes, by group: shares and quantiles."""
+def held_out(kind: str, table: Mapping[str, Any], sample: Sample) -> dict[str, dict[str, float]]:
+    """Relative errors and bars on held-out scenes, by group: shares and quantiles; groups without any are left out."""
+    return _rows(kind, table, sample, groups(sample, table))
+
+
+def left_out(train: Sample, calibration: Sample, test: Sample, seed: int, jobs: int | None) -> dict[str, Any]:
+    """The speed of each family of laws by a map that was not shown it, as rows of :func:`held_out`."""
+    rows: dict[str, Any] = {}
+    for family in sorted(set(train.family.tolist()) - _CATALOGUE):
+        shown, tried = (one.where(one.family != family) for one in (train, calibration))
+        table = fitted("speed", shown, tried, seed, jobs)
+        apart = Sample.joined([one.where(one.family == family) for one in (train, calibration, test)])
+        rows |= _rows("speed", table, apart, {family: np.ones(len(apart), dtype=bool)})
+    return rows
+
+
+def _rows(
+    kind: str, table: Mapping[str, Any], sample: Sample, members: Mapping[str, Booleans]
+) -> dict[str, dict[str, float]]:
     numbers, *_, known = values_of(kind, sample)
-    found = corrected(kind, chosen, numbers)
+    found = corrected(kind, map_of(table), numbers)
     missed = np.abs(relative_miss(kind, found.delta, sample))
     rows = {}
-    for name, members in groups(kind, sample, table).items():
-        group = members[known]
+    for name, all_of_it in members.items():
+        group = all_of_it[known]
         inside = group & found.inside
         if not inside.any():
             continue

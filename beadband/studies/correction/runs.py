@@ -75,6 +75,16 @@ class Sample:
     def __len__(self) -> int:
         return len(self.delta)
 
+    def where(self, chosen: Booleans) -> Sample:
+        """Some of its scenes."""
+        return Sample(*(getattr(self, one.name)[chosen] for one in fields(self)))
+
+    @classmethod
+    def joined(cls, parts: Iterable[Sample]) -> Sample:
+        """All scenes of some samples."""
+        known = list(parts)
+        return cls(*(np.concatenate([getattr(part, one.name) for part in known]) for one in fields(cls)))
+
     def write(self, path: Path) -> None:
         """Keep the sample in a file of numpy's."""
         np.savez_compressed(path, **{one.name: getattr(self, one.name) for one in fields(self)})

@@ -38,7 +38,7 @@ def pareto(scene: Scene, folder: Path, extent: Extent = FULL, progress: Progress
     from beadband.studies.pareto.reference import references
 
     given = {key: value for key, value in scene.as_dict().items() if key in TABLE and key not in scene.planned}
-    refuse_unused("pareto", [key for key, value in given.items() if value != TABLE[key].default])
+    refuse_unused("pareto", {key: value for key, value in given.items() if value != TABLE[key].default})
     start = time.perf_counter()
     compared = [*methods(scene, extent), *plans(scene)]
     kinds = list(dict.fromkeys([MAIN, *(method.own for method in compared)]))

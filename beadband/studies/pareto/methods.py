@@ -76,7 +76,7 @@ class Method:
     model: str = "leg"
     """"leg" (leg_variants.in), "ring" (release.in), "ring files" (with all of a run's files), "contact"."""
     choices: dict[str, str | int] = field(default_factory=dict)
-    """Choices of leg_variants.in that differ from those of leg.in."""
+    """Choices of leg_variants.in that differ from those of legs.in."""
     table_points: int = LEG_TABLE_POINTS
     level: float = 0.0
     """How fine it is within its variant: bead count, or 1 over the share of the step limit; greater is finer."""

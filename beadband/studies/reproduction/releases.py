@@ -20,12 +20,12 @@ PAPER: Values = {"band": "III", "thickness_m": 1.9e-3, "strain": 0.476, "half_an
 def _whole(values: Values) -> tuple[Any, Trajectory]:
     """A release with frames of the whole ring."""
     from beadband.model.scene import scene_of
-    from beadband.runs import release
+    from beadband.runs import finish, release
     from beadband.runs.folder import scratch
 
     with scratch() as place:
         done = release.run(scene_of(values), place / "run")
-        return done, release.frames(place / "run")
+        return done, finish.frames(place / "run")
 
 
 def fig16(sheet: Sheet, runs: Runs, quick: bool) -> list[Entry]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from beadband.studies.stability.ring_trials import ReleaseLimit
 
 MAP, RELEASES = "map", "releases"
-"""Names of the two parts beside the entries."""
+"""Names of the two parts that are not entries."""
 
 ENTRIES: dict[str, tuple[str, str]] = {
     "no-loss": ("loss", "no_loss"),
@@ -69,7 +69,7 @@ class Found:
 
 
 def check_name(only: str | None) -> None:
-    """UsageError for a name that is none."""
+    """UsageError for an unknown name."""
     names = (MAP, RELEASES, *ENTRIES)
     if only is not None and only not in names:
         raise UsageError(explain("unknown failure", repr(only), ", ".join(names), "change --only"))
@@ -91,7 +91,7 @@ def _work(quick: bool, piece: tuple[str, Any]) -> Any:
 
 
 def find(only: str | None = None, quick: bool = False, progress: Progress | None = None) -> Found:
-    """Measure the map, the releases and the catalogue, or one of them; UsageError for a name that is none."""
+    """Measure the map, the releases and the catalogue, or one of them; UsageError for an unknown name."""
     check_name(only)
     from beadband.studies.stability import limits
     from beadband.studies.stability import ring_trials as rings

@@ -179,7 +179,7 @@ def through(quick: bool) -> Entry:
 
 
 def _sparse_refused() -> bool:
-    """Whether a ring with hardly a bead on its finger is refused for that."""
+    """Whether a ring with too few beads on its finger is refused for that reason."""
     try:
         hold(plan_of(scene_of({"beads": 24, "half_angle_deg": 1.0, "for": "speed"})))
     except UsageError as error:

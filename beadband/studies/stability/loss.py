@@ -9,7 +9,7 @@ import numpy as np
 
 from beadband.model.scene import scene_of
 from beadband.model.validity import validity_notices
-from beadband.planning.plan import plan_of
+from beadband.planning.plan import LOSS_BEADS, plan_of
 from beadband.runs.rear_run import follow_rear, hold
 from beadband.studies.stability import ring_trials as rings
 from beadband.studies.stability import trials
@@ -60,7 +60,7 @@ def no_loss(quick: bool) -> Entry:
             finding(
                 abs(error) > 0.004,
                 f"V is off by {error:+.2%}: the limit of beads without loss is not the band.",
-                f"V is off by {error:+.2%} alone.",
+                f"V is off by only {error:+.2%}.",
             ),
         ),
         (
@@ -118,7 +118,8 @@ def much_loss(quick: bool) -> Entry:
             f"The larger loss takes {steps[-1] / steps[0]:.0f} times the steps.",
         ),
         (
-            "The planned loss is a fifth of the front's time from bead to bead; --loss-time is taken as physics.",
+            f"The planned loss time is {LOSS_BEADS:g} of the front's time from bead to bead; --loss-time is taken as "
+            "physics.",
             finding(
                 warned[-1] and not warned[0],
                 "The largest loss carries a warning, the least none.",
@@ -143,7 +144,7 @@ def much_loss(quick: bool) -> Entry:
 
 
 def rebound(quick: bool) -> Entry:
-    """A strand that rebounds on its held end is pressed, and buckles."""
+    """A strand that rebounds on its held end is compressed, and buckles."""
     strand = strand_of("III", "linear", 1e-3)
     count, strain = 41, 0.3
     line = np.zeros((count, 2))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from beadband.studies.stability.catalogue_entry import text as text_of
 from beadband.studies.stability.limits import BOUND, REGIMES, Limit
+from beadband.studies.stability.ring_trials import MOST_AT_SHOCK, MOST_SMOOTH
 
 if TYPE_CHECKING:
     from beadband.studies.stability import Found
@@ -33,8 +34,8 @@ _RELEASES = """\
 A release passes through many states. The limit of a uniform strand at the worst stretch that it meets bounds the
 release's from below; nearer is the smallest exact limit of the shapes that a run well below it went through. The
 release itself may bear more: it may exceed a shape's limit for as few steps as the shape lasts. Smooth releases
-may come out up to 12 % above their worst shape, and up to twice it behind a shock without loss, where single
-bonds are compressed for a few steps at a time. The planned limit, of which a plan takes a share, is that of a
+may come out up to {smooth:g} times their worst shape, and up to {shock:g} times it behind a shock without loss, where
+single bonds are compressed for a few steps at a time. The planned limit, of which a plan takes a share, is that of a
 uniform strand at a compression expected before the run.
 """
 
@@ -64,7 +65,7 @@ def text(found: Found) -> str:
     if found.releases:
         parts += [
             "## The step limit of releases\n",
-            _RELEASES,
+            _RELEASES.format(smooth=MOST_SMOOTH, shock=MOST_AT_SHOCK),
             _released(found.releases),
         ]
     if found.entries:

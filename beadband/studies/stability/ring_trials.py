@@ -23,6 +23,9 @@ from beadband.studies.verification.specimen import FIXED, FREE, Array, Specimen,
 
 _END = 0.97
 _SHAPES = 60
+LEAST = 0.97
+MOST_SMOOTH, MOST_AT_SHOCK = 1.12, 2.0
+"""Measured limits over those of the worst shape, and over the uniform strand's, that count as agreement."""
 """Shapes of a release whose limits are computed."""
 
 
@@ -102,11 +105,10 @@ class ReleaseLimit:
         """Whether the release bears its bound, and what its shapes say to some per cent.
 
         A shape's limit may be passed for the few steps for which the shape lasts, and a release is free of noise, so
-        that growth needs time to show: smooth releases come out up to a tenth above their worst shape. Behind a shock
-        without loss single bonds are pressed for a few steps at a time, and up to twice the worst shape's is borne.
+        that growth needs time to show. Behind a shock without loss single bonds are compressed for a few steps only.
         """
-        high = 1.12 if self.smooth else 2.0
-        return self.measured_s >= 0.97 * self.uniform_s and 0.97 <= self.measured_s / self.frozen_s <= high
+        high = MOST_SMOOTH if self.smooth else MOST_AT_SHOCK
+        return self.measured_s >= LEAST * self.uniform_s and LEAST <= self.measured_s / self.frozen_s <= high
 
     def as_dict(self) -> dict[str, Any]:
         return {

@@ -55,7 +55,7 @@ def step_limit(quick: bool) -> Entry:
                 kept[1.1] < 1.0,
                 f"At 1.1 it grows without bound, and bonds leave their table after {kept[1.1]:.0%} of the run. The "
                 "growth alternates from bead to bead and from step to step.",
-                "At 1.1 the run reaches its end all the same.",
+                "At 1.1 the run still reaches its end.",
             ),
         ),
         (
@@ -192,7 +192,7 @@ def drift(quick: bool) -> Entry:
                 f"error is {error:.0e}).",
             ),
         ),
-        ("A release takes some thousand steps, and the balance of energy is checked after every run, to 2 %.",),
+        ("A release takes some thousand steps, and the balance of energy is checked after every run.",),
         {"steps": float(steps), "swing": swing, "change_of_mean": change},
         Picture(
             "energy of a ring of 12 beads",

@@ -10,6 +10,7 @@ import numpy as np
 from beadband.model.angle_forms import QUARTIC
 from beadband.model.scene import scene_of
 from beadband.model.validity import SHARPEST, validity_notices
+from beadband.planning.error_curves import CURVATURE_SPACING
 from beadband.planning.plan import Plan, plan_of
 from beadband.runs.rear_run import follow_rear, hold
 from beadband.statics.ring import WRAPPED, Ring
@@ -202,7 +203,7 @@ def few_beads(quick: bool) -> Entry:
                 f"With {counts[0]} beads the spacing is {spacings[0]:.1f} of that, and the tip curvature at 0.1 t_f is "
                 f"off by {errors[0]:.0%}.",
                 f"With {counts[0]} beads the spacing is {spacings[0]:.1f} of that, yet the tip curvature at 0.1 t_f is "
-                f"off by {errors[0]:.1%} alone.",
+                f"off by only {errors[0]:.1%}.",
             ),
             finding(
                 errors[-1] < 0.03,
@@ -212,7 +213,7 @@ def few_beads(quick: bool) -> Entry:
             f"V of the fewest beads is off by {abs(speeds[0] / speeds[-1] - 1.0):.1%}.",
         ),
         (
-            "A plan for the curvature puts beads closer than 0.6 of the layer.",
+            f"A plan for the curvature puts beads closer than {CURVATURE_SPACING:g} of the layer.",
             finding(
                 coarse.unresolved_curvature and carries(coarse.warnings, "unresolved-layer"),
                 f"With --beads {counts[0]} no curvature is reported, and a warning says why.",
@@ -237,7 +238,7 @@ def few_beads(quick: bool) -> Entry:
 
 
 def sharp_bend(quick: bool) -> Entry:
-    """A curvature that beam theory does not bear."""
+    """A curvature for which beam theory does not hold."""
     thicknesses = np.array([0.5e-3, 1e-3, 2e-3, 4e-3])
     strains = (0.05, 0.2, 0.476, 1.0)
     predicted, measured, warned = [], [], []

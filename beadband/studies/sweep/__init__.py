@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import time
+from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
@@ -20,13 +21,13 @@ from beadband.lammps.ranks import world
 from beadband.studies import pool
 from beadband.studies.sweep import pictures, summary
 from beadband.studies.sweep.grid import Grid, grid_of
-from beadband.studies.sweep.row import Row, key_of, release, without_result
+from beadband.studies.sweep.row import RELEASE, Row, key_of, without_result
 from beadband.studies.sweep.store import Store
 
 __all__ = ["Swept", "run_grid", "sweep"]
 
-_CHUNK = 20
-"""Most scenes that are handed over at once: a quarter of a second of short releases."""
+_CHUNK = 48
+"""Most scenes that are handed over at once, and released in batches: a tenth of a second of short releases."""
 
 
 @dataclass(frozen=True)
@@ -49,11 +50,17 @@ class Swept:
     def __len__(self) -> int:
         return len(self.rows)
 
+    def __repr__(self) -> str:
+        status = Counter(row["status"] for row in self.rows)
+        return (
+            f"<Sweep of {len(self)} scenes: {', '.join(f'{count} {name}' for name, count in sorted(status.items()))}>"
+        )
+
 
 def sweep(
     *,
     random: int | None = None,
-    seed: int = 0,
+    seed: int | None = None,
     jobs: int | None = 1,
     executor: Executor | None = None,
     out: str | os.PathLike[str] | None = None,
@@ -141,7 +148,7 @@ def _work(
         follow(len(known), len(scenes))
     with pool.ranks() as others:
         given = others if executor is None else executor
-        for index, outcome in pool.run_tasks(release, missing, jobs=jobs, executor=given, chunk=_CHUNK):
+        for index, outcome in pool.run_tasks(RELEASE, missing, jobs=jobs, executor=given, chunk=_CHUNK):
             if isinstance(outcome, pool.Failed):
                 add(without_result(missing[index], outcome))
             else:

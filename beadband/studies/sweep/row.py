@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from beadband import observables
-from beadband.errors import RunError, explain
+from beadband.errors import BeadbandError, RunError, explain
 from beadband.model.scene import scene_of
-from beadband.planning.plan import plan_of
-from beadband.runs.rear_run import rear_run
+from beadband.planning.plan import Plan, plan_of
+from beadband.runs.rear_run import rear_runs
 from beadband.runs.results import RearRun
 from beadband.studies import pool
 from beadband.studies.sweep.grid import Values
@@ -20,6 +21,7 @@ WAVES = tuple(observables.WAVES)
 DONE, REFUSED, FAILED = "done", "refused", "failed"
 
 Row = dict[str, Any]
+Released = tuple[Row, float, float]
 
 
 def key_of(values: Values) -> str:
@@ -27,17 +29,35 @@ def key_of(values: Values) -> str:
     return json.dumps(values, sort_keys=True)
 
 
-def release(values: Values) -> tuple[Row, float, float]:
-    """Release one scene in this process, and once more with half the beads.
+def releases(scenes: Sequence[Values]) -> list[Released | BeadbandError]:
+    """Release scenes in this process, many at a time, each once more with half the beads.
 
-    Returns its row, the seconds that this took, and those inside LAMMPS. UsageError when the scene has no answer,
-    RunError when the release failed (code "not-finite" without a finite speed).
+    Returns for each its row, its share of the seconds that this took, and of those inside LAMMPS. In the place of a row
+    stands a UsageError when the scene has no answer, and a RunError when the release failed (code "not-finite" without
+    a finite speed).
     """
     start, session = time.perf_counter(), pool.session()
     before_s = session.runs_s
-    found = rear_run(plan_of(scene_of(dict(values)), "leg"), session)
-    row = {"key": key_of(values), **values, **_results(found)}
-    return row, time.perf_counter() - start, session.runs_s - before_s
+    plans: list[Plan | BeadbandError] = []
+    for values in scenes:
+        try:
+            plans.append(plan_of(scene_of(dict(values)), "leg"))
+        except BeadbandError as error:
+            plans.append(error)
+    found = iter(rear_runs([plan for plan in plans if isinstance(plan, Plan)], session))
+    rows: list[Row | BeadbandError] = []
+    for values, plan in zip(scenes, plans, strict=True):
+        done = next(found) if isinstance(plan, Plan) else plan
+        try:
+            rows.append({"key": key_of(values), **values, **_results(done)} if isinstance(done, RearRun) else done)
+        except BeadbandError as error:
+            rows.append(error)
+    each = (time.perf_counter() - start) / len(scenes), (session.runs_s - before_s) / len(scenes)
+    return [row if isinstance(row, BeadbandError) else (row, *each) for row in rows]
+
+
+RELEASE = pool.Together(releases)
+"""The task of a sweep."""
 
 
 def without_result(values: Values, failed: pool.Failed) -> Row:

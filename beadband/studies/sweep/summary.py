@@ -61,10 +61,15 @@ def summary(rows: Sequence[Row]) -> dict[str, Any]:
                 "slope": fit.value,
                 "slope_interval_95": [fit.value - fit.error, fit.value + fit.error],
             }
+    reasons: dict[str, list[str]] = {}
+    for row in rows:
+        if row["status"] != DONE:
+            reasons.setdefault(row["reason_code"], []).append(row["reason"])
     errors = np.array([number(row, "rebound_speed_error_m_s") / number(row, "rebound_speed_m_s") for row in done])
     return {
         "scenes": len(rows),
         "status": dict(Counter(row["status"] for row in rows)),
+        "without_result": {code: {"scenes": len(texts), "first": texts[0]} for code, texts in reasons.items()},
         "bead_steps": int(sum(number(row, "bead_steps") for row in done)),
         "relative_error": {"median": float(np.median(errors)), "largest": float(errors.max())} if done else None,
         "above_tolerance": sum(row["within_tolerance"] == "no" for row in done),

@@ -1,0 +1,31 @@
+"""The held shapes of plans."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from beadband.errors import RunError
+from beadband.planning.plan import Plan
+from beadband.statics.leg import Leg, LegRequest, held_legs
+from beadband.statics.ring import Ring, stretched_ring
+
+
+def hold(plan: Plan) -> Ring:
+    """The held ring of a plan."""
+    scene = plan.scene
+    return stretched_ring(plan.strand, plan.beads, scene.strain, scene.half_angle_rad)
+
+
+def hold_legs(plans: Sequence[Plan]) -> list[Leg | RunError]:
+    """The held legs of plans, in their order; the RunError of one that does not settle."""
+    return held_legs(
+        [LegRequest(plan.strand, plan.leg_bonds, plan.scene.strain, plan.scene.half_angle_rad) for plan in plans]
+    )
+
+
+def hold_leg(plan: Plan) -> Leg:
+    """The held leg of a plan; RunError when it does not settle."""
+    (found,) = hold_legs([plan])
+    if isinstance(found, RunError):
+        raise found
+    return found
