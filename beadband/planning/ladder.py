@@ -35,11 +35,13 @@ AIM = 0.95
 MOST_BEADS = 24_000
 MOST_SECONDS = 120.0
 """Beads and predicted seconds of a level beyond which the ladder ends, unless less is asked for."""
-_NOISE, _NOISE_ORDER, _UNRESOLVED, _RESOLVED = 2.0e-4, 1.26, 0.34, 0.73
+_NOISE_ORDER, _UNRESOLVED, _RESOLVED = 1.26, 0.34, 0.73
+_NOISE = {1.0: 2.0e-4, 2.0: 2.6e-4}
 _DRIFT = {1.0: 3.2e-4, 2.0: 2.1e-4}
 _BEADS_IN_REAR = 100.0
 """Relative standard errors of V with 100 beads in the rear and one to the bending layer, by maximum likelihood; the
-noise falls with powers of the beads in the rear, and of those to the layer, below one and above."""
+noise falls with powers of the beads in the rear, and of those to the layer, below one and above. By the order of the
+clean part: bands that lose less ring more."""
 _CURVATURE_NOISE, _CURVATURE_DRIFT = 0.010, 0.006
 """The same of the windowed tip curvature with one bead to the bending layer; both fall with the second order."""
 _RING_COARSENESS = 1.6
@@ -127,7 +129,7 @@ class Question:
         share = spacing / layer if layer > 0.0 else np.ones_like(spacing)
         bent = share ** np.where(share > 1.0, _UNRESOLVED, _RESOLVED)
         worse = _RING_COARSENESS if self.model == "ring" else 1.0
-        return coarse, worse * _NOISE * coarse**_NOISE_ORDER * bent, worse * _DRIFT[self.order]
+        return coarse, worse * _NOISE[self.order] * coarse**_NOISE_ORDER * bent, worse * _DRIFT[self.order]
 
     def limit(self, beads: Array, values: Array, known: tuple[float, float] | None = None) -> Limit:
         """What levels with so many beads say, finest first; ``known`` is the formula's value and standard error."""
