@@ -304,7 +304,3 @@ ROOT = Path(pareto.__file__).parents[3]
 def test_the_document_is_made_of_its_stored_numbers() -> None:
     stored = json.loads((ROOT / "docs/pareto.json").read_text(encoding="utf-8"))
     assert (ROOT / "docs/pareto.md").read_text(encoding="utf-8") == page.markdown(stored)
-    start, end = "<!-- pareto findings -->\n", "\n<!-- end -->"
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    if start in readme:
-        assert readme.split(start)[1].split(end)[0] == page.numbered_findings(stored)
