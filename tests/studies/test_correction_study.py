@@ -85,8 +85,9 @@ def _release(scene):
 def test_the_whole_way_gives_a_map_whose_bar_holds(tmp_path, monkeypatch):
     monkeypatch.setattr(runs, "release", _release)
     monkeypatch.setattr(fit, "HIDDEN", {"speed": (6, 6), "curvature": (4, 4)})
-    monkeypatch.setattr(fit, "STEPS", 30)
-    path = study.make(tmp_path, scenes=250, catalogue=100, held=100, held_catalogue=100, seed=3, jobs=1, families=False)
+    monkeypatch.setattr(fit, "STEPS", 20)
+    monkeypatch.setattr(fit, "NETWORKS", 2)
+    path = study.make(tmp_path, scenes=150, catalogue=100, held=100, held_catalogue=100, seed=3, jobs=1, families=False)
     sample = Sample.read(next(tmp_path.glob("test-*.npz")))
     assert sample.delta == pytest.approx(_known(sample.features), abs=1e-9)
     table = study.json.loads(path.read_text())["maps"]["speed"]
@@ -99,7 +100,7 @@ def test_the_whole_way_gives_a_map_whose_bar_holds(tmp_path, monkeypatch):
     monkeypatch.setattr(runs, "release", None)
     before = path.read_text()
     assert (
-        study.make(tmp_path, scenes=250, catalogue=100, held=100, held_catalogue=100, seed=3, jobs=1, families=False)
+        study.make(tmp_path, scenes=150, catalogue=100, held=100, held_catalogue=100, seed=3, jobs=1, families=False)
         == path
     )
     assert path.read_text() == before

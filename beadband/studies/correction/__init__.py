@@ -34,7 +34,7 @@ def make(
     catalogue: int = 600,
     held: int = 400,
     held_catalogue: int = 500,
-    seed: int = 0,
+    seed: int = 1,
     families: bool = True,
     jobs: int | None = None,
     say: Callable[[str], None] = lambda text: None,
