@@ -78,7 +78,10 @@ def levels(scene: Scene, session: Session) -> tuple[float, float, list[tuple[int
         if plan.bead_steps > MOST_BEAD_STEPS and level > 12:
             break
         start = time.perf_counter()
-        speed = follow_rear(plan, session).fitted_speed_m_s.value
+        try:
+            speed = follow_rear(plan, session).fitted_speed_m_s.value
+        except BeadbandError:
+            continue
         found.append((plan.beads, speed, time.perf_counter() - start))
     last = found[-4:][::-1]
     limit = question.limit(np.array([one[0] for one in last], dtype=np.float64), np.array([one[1] for one in last]))
