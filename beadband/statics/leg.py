@@ -35,6 +35,9 @@ TIP_WEIGHT = 2.0
 _GOAL = 1e-11
 _SETTLED = 1e-7
 """Last step of the stretches from which the next one, of a method of the second order, is below rounding."""
+_DECADES, _EXACT_POINTS, _SMALL_ANGLE = 40.0, 4000, 1e-3
+"""Range of the logarithm of the angle over which an exact shape is summed, its points, and the angle below which the
+energy is that of a constant stretch."""
 _STEPS, _SHORT_STEPS = 60, 12
 """Most steps; after the short ones, which take the stretches one step along with the angles, those are solved."""
 
@@ -81,12 +84,23 @@ def held_legs(requests: Sequence[LegRequest], form: AngleForm = QUARTIC) -> list
     """
     if not requests:
         return []
+    found = _tried(requests, form, _SHORT_STEPS)
+    for place, one in enumerate(found):
+        if isinstance(one, RunError):
+            # Next to a peak of the tension a start of uniform stretch leads astray: the exact one takes longer.
+            (found[place],) = _tried([requests[place]], form, 0)
+    return found
+
+
+def _tried(requests: Sequence[LegRequest], form: AngleForm, short_steps: int) -> list[Leg | RunError]:
+    """As :func:`held_legs`; without short steps from the exact shape of continuous bands."""
     rows = _Rows(requests)
-    alpha, stretch = rows.continuous(), np.ones((len(requests), rows.bonds)) * rows.leg_stretch
+    alpha = rows.continuous() if short_steps else rows.exact()
+    stretch = np.ones((len(requests), rows.bonds)) * rows.leg_stretch
     imbalance = np.zeros(len(requests))
     bent = rows.stiff[:, 0] > 0.0
     if bent.any():
-        alpha, stretch, imbalance = _settled(rows, alpha, stretch, bent, form)
+        alpha, stretch, imbalance = _settled(rows, alpha, stretch, bent, form, short_steps)
     found: list[Leg | RunError] = []
     for place, one in enumerate(requests):
         error = float(imbalance[place])
@@ -154,6 +168,29 @@ class _Rows:
         guess: Array = 4.0 * np.arctan(np.tan(self.opening / 4.0) * np.exp(-reach))
         return np.where(self.inside, guess, 0.0)
 
+    def exact(self) -> Array:
+        """The answer for beads without end, of one leg: EI/2 (d alpha/dS)^2 = W*(T) - W*(T cos alpha).
+
+        W* = A (stress stretch - W) is the complementary energy; S is summed over the logarithm of alpha.
+        """
+        law = self._laws[0][0]
+        alpha = float(self.opening[0, 0]) * np.exp(-np.linspace(0.0, _DECADES, _EXACT_POINTS))
+        stretch = self.stretches((self.tension / self.area * np.cos(alpha)[None, :]))[0]
+        held = float(self.leg_stretch[0, 0])
+
+        def complementary(at: Any) -> Any:
+            return float(self.area[0, 0]) * (law.stress(at) * at - law.energy(at))
+
+        small = 2.0 * float(self.tension[0, 0]) * held * np.sin(0.5 * alpha) ** 2
+        energy = np.where(alpha > _SMALL_ANGLE, complementary(held) - complementary(stretch), small)
+        stiffness = float(self.stiff[0, 0] * self.spacing[0, 0])
+        rate = alpha / np.sqrt(2.0 * energy / stiffness)
+        step = np.diff(-np.log(alpha))
+        reach = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * step)])
+        at = (np.arange(self.bonds) + 0.5) * float(self.spacing[0, 0])
+        found: Array = np.exp(np.interp(at, reach, np.log(alpha)))[None, :]
+        return np.where(at[None, :] <= reach[-1], found, 0.0)
+
     def stretches(self, stress_pa: Array) -> Array:
         """Stretches that carry the stresses, between 1 and those of the legs (Newton's method, bracketed)."""
         low, high = np.ones_like(stress_pa), np.broadcast_to(self.leg_stretch, stress_pa.shape)
@@ -173,11 +210,12 @@ class _Rows:
 
 
 def _settled(
-    rows: _Rows, alpha: Array, stretch: Array, bent: np.ndarray, form: AngleForm
+    rows: _Rows, alpha: Array, stretch: Array, bent: np.ndarray, form: AngleForm, short_steps: int
 ) -> tuple[Array, Array, Array]:
     """Angles and stretches of the bonds in equilibrium, (legs, bonds), and the imbalance that is left of each leg.
 
-    Everything is over the tension times the spacing.
+    Everything is over the tension times the spacing. In the first ``short_steps`` the stretches take one step of
+    Newton's method each; after them they are solved for whenever the angles change.
     """
     weight = np.where(rows.inside, rows.stiff / (rows.tension * rows.spacing), 0.0)
     weight[:, 0] *= TIP_WEIGHT
@@ -189,7 +227,7 @@ def _settled(
         cosine, sine = np.cos(alpha), np.sin(alpha)
         carried = held_pa * cosine
         tangent = rows.tangent(stretch)
-        if step < _SHORT_STEPS:
+        if step < short_steps:
             better = stretch - (rows.stress(stretch) - carried) / tangent
             better = np.minimum(np.maximum(better, 1.0), rows.leg_stretch)
             still = np.maximum.reduce(np.abs(better - stretch), axis=1) <= _SETTLED

@@ -37,15 +37,15 @@ def session() -> Iterator[Session]:
 def test_an_answer_keeps_its_word_at_every_tolerance(values: dict[str, object], session: Session) -> None:
     """Against whole legs with three times the beads of the finest level that was asked for."""
     answers = {
-        tolerance: ask(scene_of({**values, "tolerance": tolerance}), session=session) for tolerance in (0.02, 1e-3)
+        tolerance: ask(scene_of({**values, "tolerance": tolerance}), session=session) for tolerance in (0.02, 7e-4)
     }
-    fine = question_of(scene_of({**values, "tolerance": 2.5e-4}), "speed")
-    levels = [level for level in range(40) if fine.beads(level) <= 3 * answers[1e-3].beads][-1:-10:-4]
+    fine = question_of(scene_of({**values, "tolerance": 1.75e-4}), "speed")
+    levels = [level for level in range(40) if fine.beads(level) <= 3 * answers[7e-4].beads][-1:-10:-4]
     speeds = np.array([follow_rear(fine.plan(level), session).fitted_speed_m_s.value for level in levels])
     true = fine.limit(np.array([fine.beads(level) for level in levels], dtype=np.float64), speeds)
     assert answers[0.02].model == "formula"
     assert answers[0.02].runs == 0
-    assert answers[1e-3].runs > 1
+    assert answers[7e-4].runs > 1
     for tolerance, answer in answers.items():
         assert answer.within_tolerance
         assert answer.error <= tolerance * answer.value
@@ -135,7 +135,7 @@ def test_levels_that_fail_are_passed_over(session: Session, monkeypatch: pytest.
 
         monkeypatch.setattr(asking, "follow_rear", follow)
 
-    scene = scene_of({"tolerance": 1.5e-3})
+    scene = scene_of({"tolerance": 6e-4})
     fails_below(400)
     answer = ask(scene, session=session)
     assert answer.within_tolerance

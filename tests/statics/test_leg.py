@@ -118,3 +118,12 @@ def test_session_survives_a_failed_run(session: Session) -> None:
     with pytest.raises(RunError):
         session.run("no_such_command", {})
     assert math.isfinite(follow_rear(leg_plan(beads=120), session).fitted_speed_m_s.value)
+
+
+@pytest.mark.parametrize(("strain", "half_angle"), [(1.1, 5.0), (1.2, 15.0)])
+def test_a_fine_leg_near_the_peak_of_its_tension_is_held(strain: float, half_angle: float) -> None:
+    """Short steps of the stretches lead astray there; the leg is solved again with whole ones."""
+    scene = scene_of({"band": "IV", "strain": strain, "half_angle_deg": half_angle})
+    strand = scene.strand(2000)
+    bonds = int(scene.wedge.reference_leg_m / strand.spacing_m)
+    assert held_leg(strand, bonds, strain, scene.half_angle_rad).net_force < 1e-8
