@@ -175,7 +175,7 @@ class _Rows:
         """
         law = self._laws[0][0]
         alpha = float(self.opening[0, 0]) * np.exp(-np.linspace(0.0, _DECADES, _EXACT_POINTS))
-        stretch = self.stretches((self.tension / self.area * np.cos(alpha)[None, :]))[0]
+        stretch = self.stretches(self.tension / self.area * np.cos(alpha)[None, :])[0]
         held = float(self.leg_stretch[0, 0])
 
         def complementary(at: Any) -> Any:
