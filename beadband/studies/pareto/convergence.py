@@ -19,7 +19,7 @@ _UNSTABLE_FROM = 0.1
 _SIGNIFICANT = 5e-4
 """Error of the finest run from which a method is examined for another limit."""
 _ENOUGH_FINER = 3
-_STALLED = 0.2
+STALLED = 0.2
 """Change between the two finest runs, over their error, below which a method no longer converges to the reference: a
 method of the first order whose runs are a factor of sqrt(2) apart changes by 0.41 of it."""
 
@@ -177,7 +177,7 @@ def _convergence(variant: Sequence[Row], production: Sequence[Row], references: 
     apart = max((abs(last.answer.speed_m_s / speed - 1.0) for speed in same_beads), default=math.inf)
     if min(error, apart) <= max(3.0 * main.relative(0), _SIGNIFICANT):
         return DONE
-    if moved < _STALLED * error:
+    if moved < STALLED * error:
         return noticed(OTHER_LIMIT, "stalled-off-limit", change=moved, value=error)
     coarsest = good[0]
     if error > 0.5 * coarsest.errors[0]:

@@ -194,9 +194,13 @@ def _turning(p: Array, q: Array, stretch: Array) -> tuple[Array, Array]:
 
 
 def release(rod: Rod, held_stretch: float, half_angle_rad: float, nodes_m: Array, end_s: float, steps: int) -> Released:
-    """Let the tip of the held leg go at t = 0 and follow it to ``end_s``."""
-    mesh = Elements(rod, nodes_m)
-    u = np.concatenate(held_shape(rod, held_stretch, half_angle_rad, nodes_m), axis=1).ravel()
+    """Release the tip of the held leg at t = 0 and follow it to ``end_s``."""
+    return follow(Elements(rod, nodes_m), held_shape(rod, held_stretch, half_angle_rad, nodes_m), nodes_m, end_s, steps)
+
+
+def follow(mesh: Elements, shape: tuple[Array, Array], nodes_m: Array, end_s: float, steps: int) -> Released:
+    """The same from a shape (position and r', each (nodes, 2)); RuntimeError where Newton's method fails."""
+    u = np.concatenate(shape, axis=1).ravel()
     v = np.zeros_like(u)
     times = np.linspace(0.0, end_s, steps + 1)
     tip_x, curvature = np.zeros(steps + 1), np.zeros(steps + 1)
