@@ -4,7 +4,7 @@
 
 The true answer of a scene is that of whole legs with many more beads than any answer takes (its last four levels,
 carried on by :func:`beadband.analysis.convergence.limit_of`); ``--second-method N`` compares the first N fixed scenes
-with finite elements as well (beadband/studies/pareto/peers/elements.py). For each tolerance: answers within the tolerance, answers whose
+with finite elements as well (elements.py of the peers). For each tolerance: answers within the tolerance, answers whose
 true error is within the stated one, those that state that they could not, the time of a whole answer in a warm process,
 and that over the time of the cheapest level that would have done, known in hindsight.
 """

@@ -97,8 +97,7 @@ def answer_of(scene: Scene, trace: Trace) -> Answer:
     try:
         speed = path_slope(trace.times_s, trace.tip_x_m, *(share * arrival for share in SPEED_WINDOW))
         means = [
-            hann_mean(trace.times_s, trace.tip_curvature_1_m, share * arrival, HALF_WIDTH * arrival)
-            for share in SHARES
+            hann_mean(trace.times_s, trace.tip_curvature_1_m, share * arrival, HALF_WIDTH * arrival) for share in SHARES
         ]
     except ValueError as error:
         raise RunError(str(error)) from error

@@ -18,7 +18,9 @@ PEERS: dict[str, Peer] = {}
 
 def add_peer(peer: Peer) -> None:
     """Compare one more; UsageError for what is no adapter, or a name that is taken."""
-    missing = [name for name in ("name", "package", "laws", "ladder", "quick", "note", "run") if not hasattr(peer, name)]
+    missing = [
+        name for name in ("name", "package", "laws", "ladder", "quick", "note", "run") if not hasattr(peer, name)
+    ]
     if missing:
         raise UsageError(
             explain("this is no adapter of a peer", f"no {', '.join(missing)}", "all of docs/peers.md", "add them")
