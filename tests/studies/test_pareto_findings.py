@@ -22,6 +22,7 @@ from beadband.studies.pareto.findings import findings
 from beadband.studies.pareto.findings_text import SENTENCES, sentence
 from beadband.studies.pareto.methods import MAIN, Method, leg_plan
 from beadband.studies.pareto.outcomes import DONE, OK, OTHER_LIMIT, UNSETTLED, UNSTABLE, name_of, outcome_of
+from beadband.studies.pareto.peers.verdicts import CODES as PEER_CODES
 from beadband.studies.pareto.reference import Reference, extrapolated
 from beadband.studies.pareto.runs import Answer, Cost
 
@@ -287,6 +288,7 @@ def test_every_finding_is_tested() -> None:
         "bead-step",
         "not-timed",
         "second-core",
+        *PEER_CODES,  # test_peers.py
     }
     assert {code for code, _, _ in FROM_ROWS} | elsewhere == set(SENTENCES)
 

@@ -101,7 +101,7 @@ def _summary(compared: Comparison, index: int, ylabel: str, folder: Path, name: 
             levels = medians(compared.points, tool, scenes, index)
             _curve(axis, levels, tool, colour, mark, bars=True)
             if tool in (PLAN, ASK):
-                _tolerances(axis, levels, _DARK[tool], (7, -13) if tool == ASK else (-7, -13), tool == PLAN)
+                _tolerances(axis, levels, _DARK[tool], (8, -4) if tool == ASK else (-8, -4), tool == PLAN)
         floor = median(compared.references[name].relative(index) for name in scenes)
         if math.isfinite(floor):
             axis.axhspan(_FLOOR / 10.0, floor, color="#eeeeee", zorder=0)
@@ -212,7 +212,7 @@ def _legend(
     entries = []
     for tool, (colour, mark) in sorted(styles.items(), key=lambda one: one[0] not in _OWN):
         line = "-" if tool not in (PLAN, ASK) else ""
-        edge = {"markeredgecolor": "black", "markeredgewidth": 0.7} if not line else {}
+        edge: dict[str, Any] = {"markeredgecolor": "black", "markeredgewidth": 0.7} if not line else {}
         handle = Line2D([], [], ls=line, color=colour, marker=mark, ms=11 if tool == PLAN else 6, **edge)
         text = {
             OURS: "beadband, one leg, by beads",

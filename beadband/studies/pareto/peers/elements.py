@@ -71,7 +71,7 @@ def held_shape(rod: Rod, held_stretch: float, half_angle_rad: float, places_m: A
     scale = math.sqrt(2.0 * tension / rod.bending_stiffness_n_m2)
 
     def stretch(force: float) -> float:
-        return brentq(lambda s: rod.area_m2 * float(rod.stress_pa(s)) - force, 0.9, held_stretch, xtol=1e-14)
+        return float(brentq(lambda s: rod.area_m2 * float(rod.stress_pa(s)) - force, 0.9, held_stretch, xtol=1e-14))
 
     # s as a polynomial of the force: smooth, so that Chebyshev points give it to rounding.
     fit = np.polynomial.Chebyshev.interpolate(np.vectorize(stretch), 24, domain=[0.0, tension])
@@ -113,7 +113,8 @@ class Elements:
         def wide(shapes: list[Array]) -> Array:
             """For x and y alike: shape (elements, points, 2, 8)."""
             table = np.stack([np.broadcast_to(shape, self.weight.shape) for shape in shapes], axis=-1)
-            return np.einsum("epa,ij->epiaj", table, np.eye(2)).reshape(self.count, len(_GAUSS), 2, 8)
+            both: Array = np.einsum("epa,ij->epiaj", table, np.eye(2)).reshape(self.count, len(_GAUSS), 2, 8)
+            return both
 
         # (elements, points, 4, 8): from the unknowns of an element to x', y', x'', y'' at its Gauss points.
         self.gradients = np.concatenate([wide(first), wide(second)], axis=2)
@@ -129,7 +130,8 @@ class Elements:
         return (self.flat @ self.of_elements(unknowns)[:, :, None]).reshape(self.count, len(_GAUSS), 4)
 
     def of_elements(self, unknowns: Array) -> Array:
-        return np.lib.stride_tricks.sliding_window_view(unknowns, 8)[::4]
+        found: Array = np.lib.stride_tricks.sliding_window_view(unknowns, 8)[::4]
+        return found
 
     def loads(self, unknowns: Array, rates: Array, accelerations: Array) -> Array:
         """M r_tt + dU/dr + losses; zero where the motion is right, and at fixed unknowns."""

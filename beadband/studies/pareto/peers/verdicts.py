@@ -16,6 +16,8 @@ from beadband.studies.pareto.peers.protocol import installed
 from beadband.studies.pareto.peers.registry import INSTALL
 
 TOPIC = "peers"
+CODES = ("peers-compared", "peer-absent", "peer-other-laws", "peer-verdict", "peer-failures", "second-method")
+"""Of its findings."""
 
 
 def findings(compared: Comparison) -> list[Finding]:

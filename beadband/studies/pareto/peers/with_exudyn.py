@@ -22,8 +22,8 @@ class Exudyn:
     """ANCF cables are linear in stretch and curvature; another law would be a Python function at every point."""
 
     name = "Exudyn"
-    package = "exudyn"
-    laws = ("linear",)
+    package: str | None = "exudyn"
+    laws: tuple[str, ...] | None = ("linear",)
     ladder = (12, 25, 50, 100, 200)
     quick = (12, 25, 50)
     note = "one leg to the finger, ANCFCable2D (linear law alone), generalized alpha, four steps an element"
@@ -58,10 +58,10 @@ class Exudyn:
         for first, second in pairwise(nodes):
             mbs.AddObject(
                 items.ObjectANCFCable2D(
-                    physicsLength=length / elements,
-                    physicsMassPerLength=rod.area_m2 * rod.density_kg_m3,
-                    physicsBendingStiffness=rod.bending_stiffness_n_m2,
-                    physicsAxialStiffness=stiffness,
+                    length=length / elements,
+                    massPerLength=rod.area_m2 * rod.density_kg_m3,
+                    bendingStiffness=rod.bending_stiffness_n_m2,
+                    axialStiffness=stiffness,
                     nodeNumbers=[first, second],
                     useReducedOrderIntegration=0,
                 )
@@ -92,11 +92,11 @@ class Exudyn:
         stepping.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
         stepping.newton.useModifiedNewton = True
         stepping.verboseMode = 0
-        settings.solutionSettings.writeSolutionToFile = False
-        settings.solutionSettings.sensorsWritePeriod = min(every, end_s(scene) / stepping.numberOfSteps)
-        settings.linearSolverType = exudyn.LinearSolverType.EigenSparse
+        settings.solution.file.write = False
+        settings.solution.sensors.writePeriod = min(every, end_s(scene) / stepping.numberOfSteps)
+        settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
         settings.parallel.numberOfThreads = 1
-        settings.displayComputationTime = False
+        settings.show.computationTime = False
         ready = time.perf_counter()
         if not mbs.SolveDynamic(settings, showHints=False):
             raise RunError("Exudyn's solver did not finish")

@@ -28,8 +28,8 @@ class OpenMM:
     """Beads in units of their spacing and mass."""
 
     name = "OpenMM"
-    package = "openmm"
-    laws = None
+    package: str | None = "openmm"
+    laws: tuple[str, ...] | None = None
     ladder = (25, 50, 100, 200, 400)
     quick = (25, 50, 100)
     note = (
@@ -87,7 +87,8 @@ class OpenMM:
             places[k] = now[:2, :2] * a
         done = time.perf_counter()
         mirrored = places[:, 1] * np.array([1.0, -1.0])
-        rear = rear_of(np.arange(samples + 1) * between * step, mirrored, places[:, 0], places[:, 1], a)
+        times = step * np.arange(0.0, between * (samples + 0.5), between)
+        rear = rear_of(times, mirrored, places[:, 0], places[:, 1], a)
         return Trace(rear.times_s, rear.tip_x_m, rear.tip_curvature_1_m, done - ready, done - start)
 
 
