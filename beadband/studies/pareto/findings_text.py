@@ -206,7 +206,7 @@ def _peers_compared(values: Values) -> str:
     cases, behind, legs = values["cases"], values["behind"], values["leg_ahead"]
     text = f"the same {values['scenes']} scenes were given to every tool in {values['runs']} runs"
     if values["failed"]:
-        text += f", of which {values['failed']} failed"
+        text += f", of which {values['failed']} failed ({values['failed_own']} of them variants of beadband's own)"
     if not cases:
         return f"{text}; no other program reached any of the tolerances"
     share = f"in all {cases}" if not behind else f"in {cases - behind} of {cases}"

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from beadband.studies.pareto.findings_text import count, percent, sentences
+from beadband.studies.pareto.findings_text import count, digits, percent, sentences
 from beadband.studies.pareto.outcomes import name_of
 from beadband.studies.pareto.peers.registry import INSTALL
 from beadband.studies.pareto.report import TITLES, full_name
@@ -100,7 +100,8 @@ def _peers_first(result: dict[str, Any]) -> list[str]:
         "![Error of V against the time of the whole answer, beadband and other programs](pareto-peers.png)\n",
         f"Error of V against the time of the whole answer, set-up included, in a warm process on one core: medians "
         f"over the scenes of a law, bars from the least to the greatest. {len(result['peers']['scenes'])} scenes, the "
-        "same for every program, in the same run. A program that can't be given a law is not in its panel.\n",
+        "same for every program, in the same run. A program that can't be given a law is not in its panel. Grey: below "
+        "the uncertainty of the reference.\n",
         "## Every method of beadband, on one scene\n",
     ]
 
@@ -127,8 +128,8 @@ def _peers(result: dict[str, Any]) -> list[str]:
             if not level["reached"]:
                 parts.append(f"{where} - | - | - | - |")
                 continue
-            cells = [f"{level[key]['times_as_fast'][1]:.2g}" if key in level else "-" for key in ("plan", "ask", "leg")]
-            parts.append(f"{where} {1e3 * level['seconds'][1]:.3g} | {' | '.join(cells)} |")
+            cells = [digits(level[key]["times_as_fast"][1]) if key in level else "-" for key in ("plan", "ask", "leg")]
+            parts.append(f"{where} {digits(1e3 * level['seconds'][1])} | {' | '.join(cells)} |")
     parts += [
         "\n![The same, scene by scene](pareto-peers-scenes.png)\n",
         "![Error of the tip curvature against the time of the whole answer](pareto-peers-curvature.png)\n",
@@ -140,10 +141,10 @@ def _peers(result: dict[str, Any]) -> list[str]:
             "|---|---|---|---|---|---|---|---|",
         ]
         for case in found["behind"]:
-            own = [f"{1e3 * case[key]['whole_s']:.3g}" if key in case else "-" for key in ("plan", "ask", "leg")]
+            own = [digits(1e3 * case[key]["whole_s"]) if key in case else "-" for key in ("plan", "ask", "leg")]
             parts.append(
                 f"| {case['scene']} | {100 * case['tolerance']:g} % | {case['peer']} | {case['elements']:g} | "
-                f"{1e3 * case['whole_s']:.3g} | {' | '.join(own)} |"
+                f"{digits(1e3 * case['whole_s'])} | {' | '.join(own)} |"
             )
     parts += [
         "\nThe scenes:\n",

@@ -11,13 +11,14 @@ from typing import Any
 
 from beadband.studies.pareto.findings import Finding
 from beadband.studies.pareto.outcomes import OK
-from beadband.studies.pareto.peers.comparison import ASK, OURS, PLAN, TOLERANCES, Comparison, Point
+from beadband.studies.pareto.peers.comparison import ASK, OTHER, OURS, PAIR, PLAN, TOLERANCES, Comparison, Point
 from beadband.studies.pareto.peers.protocol import installed
 from beadband.studies.pareto.peers.registry import INSTALL
 
 TOPIC = "peers"
 CODES = ("peers-compared", "peer-absent", "peer-other-laws", "peer-verdict", "peer-failures", "second-method")
 """Of its findings."""
+_BEADBAND = (OURS, PLAN, ASK, PAIR, OTHER)
 
 
 def findings(compared: Comparison) -> list[Finding]:
@@ -52,6 +53,7 @@ def _extent(compared: Comparison) -> dict[str, Any]:
         "scenes": len(compared.scenes),
         "runs": len(compared.points),
         "failed": sum(math.isnan(point.errors[0]) for point in compared.points),
+        "failed_own": sum(math.isnan(point.errors[0]) for point in compared.points if point.tool in _BEADBAND),
         "cases": len(cases(compared)),
         "behind": len(behind),
         "leg_ahead": sum(case["leg"]["ahead"] for case in behind if "leg" in case),
