@@ -177,7 +177,7 @@ def _numbers(entry: dict[str, Any]) -> str:
 
 
 def store(result: Path, docs: Path) -> None:
-    """Keep a result: docs/pareto.json with six digits, the page made of it, its charts, and the front page's findings."""
+    """Keep a result: docs/pareto.json (six digits), its page and charts, and the findings of the front page."""
     text = (result / "frontier.json").read_text(encoding="utf-8")
     values = json.loads(text, parse_float=lambda number: float(f"{float(number):.6g}"))
     compact = json.dumps(values, ensure_ascii=False, separators=(",", ":"))
