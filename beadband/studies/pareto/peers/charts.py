@@ -118,7 +118,7 @@ def _tolerances(axis: Any, levels: list[dict[str, Any]], colour: str, shift: tup
     places: list[tuple[float, float, list[str]]] = []
     for one in levels:
         x, y, text = one["ms"], max(one["error"], _FLOOR), f"{100.0 * one['level']:g}"
-        near = [place for place in places if abs(math.log(place[0] / x)) < 0.5 and abs(math.log(place[1] / y)) < 0.4]
+        near = [place for place in places if abs(math.log(place[0] / x)) < 0.9 and abs(math.log(place[1] / y)) < 0.4]
         if near:
             near[0][2].append(text)
         else:
