@@ -28,7 +28,7 @@ docs:
 # The documents as a site in build/site; a dead link, or a page that nothing leads to, is an error.
 site: shape
 	$(BIN)/pip install --quiet -c constraints.txt -e '.[docs]'
-	$(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 # The map of what bending makes of the string limit: thousands of releases, some minutes on two cores.
 correction:

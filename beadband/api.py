@@ -39,16 +39,22 @@ def run(
     out: str | os.PathLike[str] | None = None,
     *,
     progress: Callable[[int, int], None] | None = None,
+    force: bool = False,
     **parameters: Any,
 ) -> Run | Launch:
     """Release a scene, measured: a scene, or the keywords of one, as in ``run(band="II", strain=0.6)``.
 
     Everything stays in memory unless ``out`` names a new or empty folder. ``progress`` is called now and then with the
-    steps done and the steps in all. UsageError for a scene or folder that can't be used, RunError when LAMMPS fails.
+    steps done and the steps in all. UsageError for a scene or folder that can't be used, and, without ``force``, for a
+    run that is predicted to take too long or too much disk space. RunError when LAMMPS fails.
     """
+    from beadband.planning import plan_scene
     from beadband.runs import dispatch
 
-    return dispatch.run(_scene(given, parameters), out, progress)
+    chosen = _scene(given, parameters)
+    if not force:
+        dispatch.refuse_absurd(plan_scene(chosen), chosen.frames)
+    return dispatch.run(chosen, out, progress)
 
 
 def ask(given: Scene | None = None, *, quantity: str = "speed", **parameters: Any) -> Answer | Answers:

@@ -125,6 +125,8 @@ def build_parser() -> argparse.ArgumentParser:
     compare.add_argument("--out", metavar="DIR", help="new or empty folder of the pictures (default: comparison)")
     report = command("report", "a page that plays a run, with its curves and tables", folder=True)
     report.add_argument("--out", metavar="FILE", help="the page (default: DIR/report.html)")
+    explore = command("explore", "a page to play with, which computes V of any band in the browser")
+    explore.add_argument("--out", metavar="FILE", default="explore.html", help="the page (default: explore.html)")
     movie = command("movie", "a GIF or MP4 of a run", folder=True)
     movie.add_argument("--out", metavar="FILE", help="a .gif or .mp4 (default: DIR/movie.gif)")
     movie.add_argument("--fps", metavar="N", type=int, default=20, help="frames a second, 1 to 50 (default: 20)")

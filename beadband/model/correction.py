@@ -2,8 +2,8 @@
 
 The released rear of a scene is the answer to a dimensionless problem: lengths over the leg, times over the front's
 arrival, stresses over density times (front speed)^2. What is left are the strain, the half-angle, how far bending
-spreads, and numbers of the law's shape (:data:`FEATURES`). The map is a sum of Matern functions about a few hundred
-centres; ``correction.json`` holds it with the record of how it was fitted and tried. Evaluating needs numpy alone.
+spreads, and numbers of the law's shape (:data:`FEATURES`). The map is the mean of a few small networks;
+``correction.json`` holds it with the record of how it was fitted and tried. Evaluating needs numpy alone.
 """
 
 from __future__ import annotations
@@ -19,10 +19,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from beadband.model.scales import LONGEST_LAYER, SHORTEST_WINDOW
+
 if TYPE_CHECKING:
     from beadband.model.scene import Scene
 
 Array = NDArray[np.float64]
+Layers = tuple[tuple[Array, Array], ...]
+"""Matrix and bias of each layer of a network; a matrix has the shape (inputs, outputs)."""
 
 FEATURES = (
     "ln_strain",
@@ -44,10 +48,8 @@ string limit; held stress over (rho c^2 strain); t_x/t_f, t_x = a_b rho stretch1
 wave, and of the held band, over rho c^2; mean speed of the wave over c; start and end of the self-similar window over
 t_f. Everything that the law adds is a number of its shape alone: no stated modulus enters but through EI.
 """
-LONGEST_LAYER = 0.08
-"""Bending layer over the leg up to which the map was fitted: beyond it the finger is felt at the tip."""
 _FILE = "correction.json"
-_CHUNK = 4096
+_CHUNK = 2048
 _AT = {name: index for index, name in enumerate(FEATURES)}
 
 
@@ -69,25 +71,72 @@ def features(scene: Scene) -> Array:
     Without bending those that its spread is part of are -inf, and the window's NaN.
     """
     string, scales, law = scene.string, scene.scales, scene.material
-    held, behind = 1.0 + scene.strain, 1.0 + string.residual_strain
-    inertia = scene.band.density_kg_m3 * string.front_speed_m_s**2
-    arrival, window = scales.front_arrival_s, scales.window
-    crossover = scales.bending_diffusivity_m2_s * scene.band.density_kg_m3 * behind / string.residual_stress_pa
-    return np.array(
-        [
-            math.log(scene.strain),
-            scene.half_angle_rad,
-            _log(scales.bending_spread_m / scene.wedge.reference_leg_m),
-            math.log(string.residual_strain),
-            math.log(float(law.stress(held)) / (inertia * scene.strain)),
-            _log(crossover / arrival),
-            math.log(float(law.tangent(behind)) / inertia),
-            float(law.tangent(held)) / inertia,
-            math.log(string.wave.mean_speed_ratio),
-            _log(window.start_s / arrival),
-            _log(window.end_s / arrival),
-        ]
+    return features_of(
+        strain=scene.strain,
+        half_angle_rad=scene.half_angle_rad,
+        leg_m=scene.wedge.reference_leg_m,
+        density_kg_m3=scene.band.density_kg_m3,
+        diffusivity_m2_s=scales.bending_diffusivity_m2_s,
+        front_speed_m_s=string.front_speed_m_s,
+        mean_speed_ratio=string.wave.mean_speed_ratio,
+        residual_strain=string.residual_strain,
+        residual_stress_pa=string.residual_stress_pa,
+        held_stress_pa=float(law.stress(1.0 + scene.strain)),
+        held_tangent_pa=float(law.tangent(1.0 + scene.strain)),
+        residual_tangent_pa=float(law.tangent(1.0 + string.residual_strain)),
+        window_start_s=scales.window.start_s,
+        window_end_s=scales.window.end_s,
     )
+
+
+def features_of(
+    *,
+    strain: ArrayLike,
+    half_angle_rad: ArrayLike,
+    leg_m: ArrayLike,
+    density_kg_m3: ArrayLike,
+    diffusivity_m2_s: ArrayLike,
+    front_speed_m_s: ArrayLike,
+    mean_speed_ratio: ArrayLike,
+    residual_strain: ArrayLike,
+    residual_stress_pa: ArrayLike,
+    held_stress_pa: ArrayLike,
+    held_tangent_pa: ArrayLike,
+    residual_tangent_pa: ArrayLike,
+    window_start_s: ArrayLike,
+    window_end_s: ArrayLike,
+) -> Array:
+    """:func:`features` of many scenes from arrays that broadcast to (scenes,): shape (scenes, features).
+
+    ``leg_m`` is the reference leg l0, ``diffusivity_m2_s`` a_b; stresses are nominal, the tangents those of the held
+    stretch and of the one behind the wave.
+    """
+    density, speed, leg = np.asarray(density_kg_m3), np.asarray(front_speed_m_s), np.asarray(leg_m)
+    diffusivity, behind = np.asarray(diffusivity_m2_s), 1.0 + np.asarray(residual_strain)
+    inertia, arrival = density * speed**2, leg / speed
+    with np.errstate(divide="ignore"):
+        columns = (
+            np.log(strain),
+            half_angle_rad,
+            0.5 * np.log(diffusivity / (leg * speed)),
+            np.log(residual_strain),
+            np.log(held_stress_pa / (inertia * strain)),
+            np.log(diffusivity * density * behind / (residual_stress_pa * arrival)),
+            np.log(residual_tangent_pa / inertia),
+            held_tangent_pa / inertia,
+            np.log(mean_speed_ratio),
+            np.log(window_start_s / arrival),
+            np.log(window_end_s / arrival),
+        )
+    return np.stack(np.broadcast_arrays(*columns), axis=-1).astype(np.float64)
+
+
+def applies(scene: Scene) -> bool:
+    """Whether the map's question is the scene's: a release whose loss vanishes, but for that of its shocks.
+
+    A launch is another question, and a loss time of the user's makes another rubber.
+    """
+    return scene.until == "release" and (scene.loss_time_s is None or "loss_time_s" in scene.planned)
 
 
 def speed_correction(numbers: ArrayLike) -> Correction:
@@ -104,12 +153,13 @@ def curvature_correction(numbers: ArrayLike) -> Correction:
 
 
 def bending_share(numbers: Array) -> Array:
-    """B/(1 + B), B the speed sqrt(a_b/t_f) of a bending kink over that of the string's rear; shape (scenes,)."""
-    strain, phi = np.exp(numbers[:, _AT["ln_strain"]]), numbers[:, _AT["half_angle_rad"]]
-    fall = (strain - np.exp(numbers[:, _AT["ln_residual_strain"]])) * np.exp(numbers[:, _AT["ln_mean_speed"]])
-    rear = fall * np.cos(phi) / (1.0 - np.sin(phi))
-    bending = np.exp(numbers[:, _AT["ln_spread"]])
-    share: Array = bending / (bending + rear)
+    """B/(1 + B), B the speed sqrt(a_b/t_f) of a bending kink over that of the string's rear; shape (scenes,).
+
+    The string's kink runs at V tan(phi), so that B = tan(phi) sqrt(t_x/t_f)/(1 + residual strain).
+    """
+    behind = 1.0 + np.exp(numbers[:, _AT["ln_residual_strain"]])
+    bending = np.tan(numbers[:, _AT["half_angle_rad"]]) * np.exp(0.5 * numbers[:, _AT["ln_crossover"]]) / behind
+    share: Array = bending / (1.0 + bending)
     return share
 
 
@@ -132,61 +182,90 @@ class Map:
 
     columns: tuple[int, ...]
     origin: Array
-    """Shape (columns,)."""
-    length: Array
-    """Length over which the function varies in each feature."""
-    centres: Array
-    """Shape (centres, columns), from the origin and in lengths."""
-    weights: Array
-    """Shape (centres, 2): of the function, and of the logarithm of its bar."""
-    offset: Array
-    """Shape (2,), what both are far from all centres."""
+    """Mean of the scenes that were fitted, shape (columns,)."""
+    scatter: Array
+    networks: tuple[Layers, ...]
+    """Fitted alike from different starts: the value is their mean, and where they part little is known."""
+    mean: float
+    size: float
+    """Mean and scatter of the values, which the networks give as numbers of mean 0 and scatter 1."""
+    bar: Array
+    """Coefficients of the logarithm of the bar, shape (2 + columns,): 1, logarithm of the networks' scatter, inputs."""
+    least_scatter: float
+    """Added to the networks' scatter, in squares."""
     low: Array
     high: Array
     """The box of the region, for each column."""
+    covariance_inverse: Array
     farthest: float
-    """Distance to the nearest centre, in lengths, up to which a scene is inside."""
-    factor: float
-    """By which the bar is multiplied to hold 98 % of held-out scenes."""
+    """Mahalanobis distance to the mean of the scenes up to which another is inside."""
+    widest: float
+    """Scatter of the networks up to which a scene is inside."""
     floor: float
     """Least bar, that of the runs themselves."""
 
-    def __call__(self, numbers: Array) -> tuple[Array, Array, Array]:
+    def __call__(self, numbers: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Function, bar and whether it is inside, each of shape (scenes,), before what its values are multiplied by."""
         value, bar, inside = np.empty(len(numbers)), np.empty(len(numbers)), np.empty(len(numbers), dtype=bool)
-        squares = np.einsum("ij,ij->i", self.centres, self.centres)
         for start in range(0, len(numbers), _CHUNK):
             chunk = slice(start, start + _CHUNK)
             given = numbers[chunk][:, self.columns]
-            here = (given - self.origin) / self.length
-            away2 = np.einsum("ij,ij->i", here, here)[:, None] + squares - 2.0 * here @ self.centres.T
-            np.maximum(away2, 0.0, out=away2)
-            found = matern(away2) @ self.weights + self.offset
-            value[chunk], bar[chunk] = found[:, 0], self.factor * np.exp(found[:, 1])
+            inputs = (given - self.origin) / self.scatter
+            value[chunk], parting = self.parting(inputs)
+            bar[chunk] = np.exp(bar_terms(inputs, parting, self.least_scatter) @ self.bar)
             boxed = np.all((given >= self.low) & (given <= self.high), axis=1)
-            inside[chunk] = boxed & (away2.min(axis=1) <= self.farthest**2)
+            near = np.einsum("ij,jk,ik->i", inputs, self.covariance_inverse, inputs) <= self.farthest**2
+            inside[chunk] = boxed & near & (parting <= self.widest)
         return value, bar, inside
 
+    def parting(self, inputs: Array) -> tuple[Array, Array]:
+        """Mean of the networks, and their standard deviation, each of shape (scenes,)."""
+        found = np.array([network(layers, inputs) for layers in self.networks])
+        value: Array = self.mean + self.size * found.mean(axis=0)
+        return value, self.size * found.std(axis=0, ddof=1)
 
-def matern(away2: Array) -> Array:
-    """The Matern function of order 5/2, (1 + d + d^2/3) exp(-d), d^2 = 5 times a squared distance in lengths."""
-    d = np.sqrt(5.0 * away2)
-    value: Array = (1.0 + d * (1.0 + d / 3.0)) * np.exp(-d)
-    return value
+
+def bar_terms(inputs: Array, parting: Array, least: float) -> Array:
+    """What the logarithm of the bar is linear in, shape (scenes, 2 + columns)."""
+    return np.column_stack([np.ones(len(inputs)), np.log(np.hypot(parting, least)), inputs])
+
+
+def network(layers: Layers, inputs: Array) -> Array:
+    """Output of a network of tanh layers and a last linear one, shape (scenes,)."""
+    state = inputs
+    for matrix, bias in layers[:-1]:
+        state = state @ matrix
+        state += bias
+        np.tanh(state, out=state)
+    matrix, bias = layers[-1]
+    out: Array = (state @ matrix)[:, 0] + bias[0]
+    return out
 
 
 def map_of(values: Mapping[str, Any]) -> Map:
     """A map from its table in the file."""
-    arrays = {key: np.asarray(values[key], dtype=np.float64) for key in ("origin", "length", "weights", "offset")}
+
+    def array(key: str) -> Array:
+        return np.asarray(values[key], dtype=np.float64)
+
     return Map(
         columns=tuple(_AT[name] for name in values["columns"]),
-        centres=np.asarray(values["centres"], dtype=np.float64),
-        low=np.asarray(values["low"], dtype=np.float64),
-        high=np.asarray(values["high"], dtype=np.float64),
+        origin=array("origin"),
+        scatter=array("scatter"),
+        networks=tuple(
+            tuple((np.asarray(layer["matrix"]), np.asarray(layer["bias"])) for layer in one)
+            for one in values["networks"]
+        ),
+        mean=values["mean"],
+        size=values["size"],
+        bar=array("bar"),
+        least_scatter=values["least_scatter"],
+        low=array("low"),
+        high=array("high"),
+        covariance_inverse=array("covariance_inverse"),
         farthest=values["farthest"],
-        factor=values["factor"],
+        widest=values["widest"],
         floor=values["floor"],
-        **arrays,
     )
 
 
@@ -199,17 +278,17 @@ def corrected(kind: str, chosen: Map, numbers: ArrayLike) -> Correction:
     delta, error = np.zeros(len(rows)), np.full(len(rows), np.inf)
     inside = np.zeros(len(rows), dtype=bool)
     known = rows[finite]
-    value, bar, within = chosen(known)
     if kind == "speed":
-        share = bending_share(known)
-        delta[finite], bar = share * value, share * bar / (1.0 + share * value)
-        within = within & (layer_share(known) <= LONGEST_LAYER)
+        value, bar, within = _from_thickest(chosen, known)
+        bar, within = bar / (1.0 + value), within & (layer_share(known) <= LONGEST_LAYER)
     else:
-        delta[finite] = np.expm1(value)
-        lasting = known[:, _AT["ln_window_end"]] >= known[:, _AT["ln_window_start"]] + math.log(1.5)
+        ratio, bar, within = chosen(known)
+        value = np.expm1(ratio)
+        lasting = known[:, _AT["ln_window_end"]] - known[:, _AT["ln_window_start"]] >= math.log(SHORTEST_WINDOW)
         within = within & lasting
-    error[finite], inside[finite] = np.hypot(bar, chosen.floor), within
-    delta[~inside], error[~inside] = 0.0, np.inf
+    inside[finite] = within
+    delta[finite] = np.where(within, value, 0.0)
+    error[finite] = np.where(within, np.hypot(bar, chosen.floor), np.inf)
     if kind == "speed":
         error[straight], inside[straight] = 0.0, True
     if given.ndim == 1:
@@ -217,17 +296,36 @@ def corrected(kind: str, chosen: Map, numbers: ArrayLike) -> Correction:
     return Correction(delta, error, inside)
 
 
+def _from_thickest(chosen: Map, numbers: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """V/V_string - 1, its bar over V_string, and whether it is inside.
+
+    Below the least spread or crossover that was fitted the correction falls at least as the share of bending does: it
+    is taken to fall so from the nearest thicker band that was, and all of it is added to the bar.
+    """
+    spread, crossover = (chosen.low[chosen.columns.index(_AT[name])] for name in ("ln_spread", "ln_crossover"))
+    short = np.maximum(spread - numbers[:, _AT["ln_spread"]], 0.5 * (crossover - numbers[:, _AT["ln_crossover"]]))
+    short = np.maximum(short, 0.0)
+    there = numbers.copy()
+    there[:, _AT["ln_spread"]] += short
+    there[:, _AT["ln_crossover"]] += 2.0 * short
+    value, bar, inside = chosen(there)
+    share = bending_share(numbers)
+    return share * value, share * (bar + np.where(short > 0.0, np.abs(value), 0.0)), inside
+
+
 def _corrected(kind: str, numbers: ArrayLike) -> Correction:
     return corrected(kind, _maps()[kind], numbers)
-
-
-def _log(value: float) -> float:
-    return math.log(value) if value > 0.0 else -math.inf if value == 0.0 else math.nan
 
 
 @cache
 def _file() -> dict[str, Any]:
     found: dict[str, Any] = json.loads((files("beadband.model") / _FILE).read_text())
+    return found
+
+
+def table(kind: str) -> Mapping[str, Any]:
+    """The map of one kind, "speed" or "curvature", as its file has it."""
+    found: Mapping[str, Any] = _file()["maps"][kind]
     return found
 
 

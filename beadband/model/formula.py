@@ -96,26 +96,28 @@ def _numbers(scene: Scene, given: Mapping[str, Array]) -> tuple[Array, Array]:
     diffusivity = np.sqrt(stiffness / (density * section.area_m2))
     held, behind = 1.0 + strain, 1.0 + string.residual_strain
     stress = np.asarray(law.stress(held), dtype=np.float64)
-    inertia = density * string.front_speed_m_s**2
     arrival = leg / string.front_speed_m_s
     layer2 = stiffness / (section.area_m2 * stress * held)
+    crossover = diffusivity * density * behind / string.residual_stress_pa
+    bent = diffusivity > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        spread = np.sqrt(diffusivity * arrival)
-        crossover = diffusivity * density * behind / string.residual_stress_pa
-        bar_speed = np.sqrt(band.modulus_pa / density)
-        start = np.maximum(given["thickness_m"] / bar_speed, FORGOTTEN_AFTER * layer2 / diffusivity)
-        end = np.where(diffusivity > 0.0, np.minimum(WINDOW_BEFORE * crossover, arrival), math.nan)
-        columns = [
-            np.log(strain),
-            phi,
-            np.log(spread / leg),
-            np.log(string.residual_strain),
-            np.log(stress / (inertia * strain)),
-            np.log(crossover / arrival),
-            np.log(law.tangent(behind) / inertia),
-            np.broadcast_to(law.tangent(held), strain.shape) / inertia,
-            np.log(string.mean_speed_ratio),
-            np.log(start / arrival),
-            np.log(end / arrival),
-        ]
-    return np.stack([np.ravel(one) for one in columns], axis=1), string.rear_speed_m_s
+        forgotten = np.maximum(
+            given["thickness_m"] / np.sqrt(band.modulus_pa / density), FORGOTTEN_AFTER * layer2 / diffusivity
+        )
+    numbers = correction.features_of(
+        strain=strain,
+        half_angle_rad=phi,
+        leg_m=leg,
+        density_kg_m3=density,
+        diffusivity_m2_s=diffusivity,
+        front_speed_m_s=string.front_speed_m_s,
+        mean_speed_ratio=string.mean_speed_ratio,
+        residual_strain=string.residual_strain,
+        residual_stress_pa=string.residual_stress_pa,
+        held_stress_pa=stress,
+        held_tangent_pa=law.tangent(held),
+        residual_tangent_pa=law.tangent(behind),
+        window_start_s=np.where(bent, forgotten, math.nan),
+        window_end_s=np.where(bent, np.minimum(WINDOW_BEFORE * crossover, arrival), math.nan),
+    )
+    return numbers.reshape(-1, numbers.shape[-1]), string.rear_speed_m_s

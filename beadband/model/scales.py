@@ -15,6 +15,10 @@ SPEED_WINDOW = (0.4, 0.85)
 # t_x on (see similarity_window).
 FORGOTTEN_AFTER = 2.5
 WINDOW_BEFORE = 0.25
+SHORTEST_WINDOW = 1.5
+"""Least ratio of the ends of a self-similar window in which a power law can be fitted."""
+LONGEST_LAYER = 0.08
+"""Bending layer over the leg beyond which the finger is felt at the tip, so that a leg alone won't do."""
 BENDING_SPREAD = 5.0
 """Lengths sqrt(a_b t_f) that bending adds to what moves at the rear."""
 
@@ -30,7 +34,7 @@ class SimilarityWindow:
     @property
     def exists(self) -> bool:
         """Whether the window is long enough to fit a power law in it."""
-        return self.bending and self.end_s >= 1.5 * self.start_s
+        return self.bending and self.end_s >= SHORTEST_WINDOW * self.start_s
 
     @property
     def reason(self) -> str | None:

@@ -73,6 +73,10 @@ class Scene:
     input_share: float | None = None
     """Relative error of V from the inputs that a tolerance "auto" was made from."""
 
+    def __repr__(self) -> str:
+        where = f"strain {self.strain:g}, half-angle {self.half_angle_deg:g} deg, {self.law}"
+        return f"<Scene: band {self.label}, {where}, until {self.until}>"
+
     @property
     def law(self) -> str:
         """Name of the law."""

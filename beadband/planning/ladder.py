@@ -17,38 +17,44 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beadband.analysis.convergence import Limit, limit_of
+from beadband.model.scales import LONGEST_LAYER
 from beadband.planning import error_curves
-from beadband.planning.plan import FEWEST_LEG_BONDS, LONGEST_LAYER, Plan, plan_of
+from beadband.planning.plan import FEWEST_LEG_BONDS, Plan, plan_of
 
 if TYPE_CHECKING:
     from beadband.model.scene import Scene
 
 Array = NDArray[np.float64]
 
-COVERS = 4.2
+COVERS = 4.4
 """Standard errors in a stated error: so many hold 98.5 % of the true ones, whose distribution has long tails."""
 FORMULA_COVERS = 2.4
 """The same in the bar of the formula."""
-AIM = 0.8
+AIM = 0.95
 """Share of the tolerance that a level is expected to state before it is run: levels may scatter more than expected."""
 MOST_BEADS = 24_000
 MOST_SECONDS = 120.0
-"""Beads and predicted seconds of a level beyond which the ladder ends."""
-_NOISE, _NOISE_ORDER, _UNRESOLVED, _RESOLVED = 2.0e-4, 1.26, 0.34, 0.73
+"""Beads and predicted seconds of a level beyond which the ladder ends, unless less is asked for."""
+_NOISE_ORDER, _UNRESOLVED, _RESOLVED = 1.26, 0.34, 0.73
+_NOISE = {1.0: 2.0e-4, 2.0: 2.6e-4}
 _DRIFT = {1.0: 3.2e-4, 2.0: 2.1e-4}
 _BEADS_IN_REAR = 100.0
 """Relative standard errors of V with 100 beads in the rear and one to the bending layer, by maximum likelihood; the
-noise falls with powers of the beads in the rear, and of those to the layer, below one and above."""
+noise falls with powers of the beads in the rear, and of those to the layer, below one and above. By the order of the
+clean part: bands that lose less ring more."""
 _CURVATURE_NOISE, _CURVATURE_DRIFT = 0.010, 0.006
 """The same of the windowed tip curvature with one bead to the bending layer; both fall with the second order."""
 _RING_COARSENESS = 1.6
 """Errors of a ring, which turns its tip at one bead, over those of a leg."""
-_CUT_LEG, _WHOLE_LEG, _LEG_SPREAD = 1.2e-4, 7e-5, 0.09
-"""Bounds of the difference of V between one leg and the ring: cut where the disturbance ends, and whole, where the
-bending spread is 0.09 of the leg. Short bending waves run ahead of the front and come back from the finger; measured
-with 800 to 1600 beads, where whole legs differ by 0.3e-4 to 0.9e-4."""
-WHOLE_FROM = 1e-3
-"""Tolerance below which the leg is taken up to the finger, and three levels must agree."""
+_LEG_ERRORS = {"cut": 1.6e-4, "whole": 7e-5}
+_LEG_SPREAD, _LEG_POWER = 0.09, 2.3
+_MODEL_SHARE = {"cut": 0.35, "whole": 0.5}
+"""Bounds of the difference of V between one leg and the ring, cut where the disturbance ends or whole up to the finger,
+where the bending spread is 0.09 of the leg; its power; and the share of the tolerance that it may take. Short bending
+waves run ahead of the front and come back from the finger. Measured with up to 1600 beads: whole legs differ by 0.3e-4
+to 0.9e-4 at a spread of 0.09 to 0.1, cut ones by 1.3e-4, 3e-4 and 1e-3 at 0.083, 0.14 and 0.21."""
+THREE_FROM = 1e-3
+"""Tolerance below which three levels must agree."""
 _OCTAVE = 4
 """Levels from a number of beads to its double."""
 
@@ -62,27 +68,34 @@ class Question:
     quantity: str
     """"speed" or "curvature"."""
     tolerance: float
+    most_seconds: float = MOST_SECONDS
+    """Predicted seconds of a level beyond which the ladder ends."""
+
+    @property
+    def reach(self) -> str:
+        """The cheapest that will do: a leg "cut" or "whole", or the "ring"."""
+        scales, leg = self.scene.scales, self.scene.wedge.reference_leg_m
+        if scales.bending_layer_m > LONGEST_LAYER * leg:
+            return "ring"
+        if self.quantity == "curvature":
+            return "cut"
+        fitting = (one for one, share in _MODEL_SHARE.items() if self._leg_error(one) <= share * self.tolerance)
+        return next(fitting, "ring")
 
     @property
     def model(self) -> str:
-        """The cheapest model that will do: "leg", or "ring" where the held tip bends over much of the leg."""
-        scales, leg = self.scene.scales, self.scene.wedge.reference_leg_m
-        short = scales.bending_layer_m > LONGEST_LAYER * leg
-        return "ring" if short or self._leg_error > 0.5 * self.tolerance else "leg"
+        """The model of its plans, "leg" or "ring"."""
+        return "ring" if self.reach == "ring" else "leg"
 
-    @property
-    def _leg_error(self) -> float:
-        if self.quantity == "curvature":
-            return 0.0
-        if self.tolerance >= WHOLE_FROM:
-            return _CUT_LEG
+    def _leg_error(self, reach: str) -> float:
         spread = self.scene.scales.bending_spread_m / self.scene.wedge.reference_leg_m
-        return _WHOLE_LEG * max(spread / _LEG_SPREAD, 0.3) ** 2
+        return _LEG_ERRORS[reach] * float(max(spread / _LEG_SPREAD, 0.3) ** _LEG_POWER)
 
     @property
     def model_error(self) -> float:
         """Relative error bound of the number from the model alone."""
-        return self._leg_error if self.model == "leg" else 0.0
+        reach = self.reach
+        return 0.0 if reach == "ring" or self.quantity == "curvature" else self._leg_error(reach)
 
     @property
     def order(self) -> float:
@@ -116,7 +129,7 @@ class Question:
         share = spacing / layer if layer > 0.0 else np.ones_like(spacing)
         bent = share ** np.where(share > 1.0, _UNRESOLVED, _RESOLVED)
         worse = _RING_COARSENESS if self.model == "ring" else 1.0
-        return coarse, worse * _NOISE * coarse**_NOISE_ORDER * bent, worse * _DRIFT[self.order]
+        return coarse, worse * _NOISE[self.order] * coarse**_NOISE_ORDER * bent, worse * _DRIFT[self.order]
 
     def limit(self, beads: Array, values: Array, known: tuple[float, float] | None = None) -> Limit:
         """What levels with so many beads say, finest first; ``known`` is the formula's value and standard error."""
@@ -137,7 +150,7 @@ class Question:
         """The plan of a level."""
         wanted = replace(self.scene, purpose=self.quantity, tolerance=max(self.tolerance, 1e-6))
         plan = plan_of(wanted.with_beads(self.beads(level)), self.model)
-        if plan.model == "leg" and self.tolerance < WHOLE_FROM:
+        if plan.model == "leg" and self.reach == "whole":
             whole = math.ceil(self.scene.wedge.reference_leg_m / plan.strand.spacing_m)
             plan = replace(plan, leg_bonds=max(plan.leg_bonds, whole))
         return plan
@@ -165,7 +178,7 @@ class Step:
 def next_step(question: Question, done: tuple[int, ...], known: float | None) -> Step | None:
     """The cheapest levels, beyond those done, that are expected to state the tolerance; None at the ladder's end.
 
-    The first time the finest level comes with that of half its beads, and below :data:`WHOLE_FROM` with the one between
+    The first time the finest level comes with that of half its beads, and below :data:`THREE_FROM` with the one between
     them. Later it is a finer level, whatever was expected: the levels at hand know better.
     """
     if done:
@@ -179,7 +192,7 @@ def next_step(question: Question, done: tuple[int, ...], known: float | None) ->
         if not _affordable(question, level):
             break
         half = level - _OCTAVE
-        levels = (half, level) if question.tolerance >= WHOLE_FROM else (half, level - _OCTAVE // 2, level)
+        levels = (half, level) if question.tolerance >= THREE_FROM else (half, level - _OCTAVE // 2, level)
         error = question.expected(levels[::-1], known)
         if error <= AIM * question.tolerance or not _affordable(question, level + 1):
             best = Step(levels, error, sum(question.seconds(one) for one in levels))
@@ -188,4 +201,4 @@ def next_step(question: Question, done: tuple[int, ...], known: float | None) ->
 
 
 def _affordable(question: Question, level: int) -> bool:
-    return question.beads(level) <= MOST_BEADS and question.seconds(level) <= MOST_SECONDS
+    return question.beads(level) <= MOST_BEADS and question.seconds(level) <= question.most_seconds

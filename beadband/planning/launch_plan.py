@@ -57,6 +57,9 @@ class LaunchPlan:
     """The finger is free when it has carried nothing for so many steps."""
     flight_steps: int
 
+    def __repr__(self) -> str:
+        return f"<Launch by {self.release!r}>"
+
     @property
     def reasons(self) -> tuple[Notice, ...]:
         return self.release.reasons

@@ -8,11 +8,11 @@ from functools import cached_property
 
 from beadband.errors import UsageError, explain
 from beadband.model.calibration import Strand
-from beadband.model.scales import SPEED_WINDOW, viscous_front_m
+from beadband.model.scales import LONGEST_LAYER, SPEED_WINDOW, viscous_front_m
 from beadband.model.scene import Scene
 from beadband.model.validity import law_reasons, validity_notices
 from beadband.model.wedge import StringLimit
-from beadband.notices import Notice, distinct_digits, notice
+from beadband.notices import Notice, distinct_digits, notice, percent
 from beadband.parameters import FEWEST_BEADS, PLANNED, TABLE
 from beadband.planning import error_curves
 from beadband.planning.sampling import leg_end_s, sample_leg, sample_ring
@@ -32,8 +32,6 @@ what it makes of the answer with the second order. Below, beads of any law need 
 # ahead of the front; so many bending layers, and that share of the leg, take their echo below 1e-4 of V.
 _LAYERS_AHEAD = 6.0
 _SHARE_AHEAD = 0.05
-LONGEST_LAYER = 0.08
-"""Bending layer over the leg beyond which the finger is felt at the tip, so that a leg alone won't do."""
 WIDEST_FRONT = 0.03
 """Width of a viscous front over the leg from which on disturbances outrun the front, if the beads resolve it."""
 
@@ -66,6 +64,10 @@ class Plan:
     """Predicted relative error of the window-averaged tip curvature, None where it is not resolved."""
     reasons: tuple[Notice, ...]
     warnings: tuple[Notice, ...]
+
+    def __repr__(self) -> str:
+        steps = f"{self.beads} beads, {self.steps} steps of {self.timestep_s:.3g} s"
+        return f"<Plan of {self.scene!r}:\n {self.model}, {steps}, V to {percent(self.speed_error)} expected>"
 
     @property
     def string(self) -> StringLimit:

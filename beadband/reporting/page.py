@@ -53,14 +53,14 @@ def page(story: Story) -> str:
     parts = {
         "style": style,
         "script": script,
-        "style_hash": _digest(style),
-        "script_hash": _digest(script),
+        "style_hash": digest(style),
+        "script_hash": digest(script),
         "story": embedded(as_dict(story)),
     }
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], template)
 
 
-def _digest(text: str) -> str:
+def digest(text: str) -> str:
     """What the content security policy asks of an inline style or script."""
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
 

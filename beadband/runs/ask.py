@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from beadband.errors import UsageError, explain
+from beadband.errors import BeadbandError, RunError, UsageError, explain
 from beadband.lammps.engine import Session, kept_session
 from beadband.model.formula import formula
 from beadband.model.scene import Scene
@@ -20,12 +20,14 @@ from beadband.model.uncertainty import changed, with_auto_tolerance
 from beadband.model.validity import validity_notices
 from beadband.notices import Notice, distinct_digits, notice
 from beadband.parameters import PLANNED, TABLE
-from beadband.planning.ladder import FORMULA_COVERS, Question, next_step
+from beadband.planning.ladder import FORMULA_COVERS, MOST_BEADS, MOST_SECONDS, Question, next_step
 from beadband.planning.plan import Plan
 from beadband.runs.input_errors import budget_of
 from beadband.runs.measurement import Measurement
 from beadband.runs.rear_run import follow_rear
 
+_MOST_FAILURES = 6
+"""Levels whose run may fail before the question is given up."""
 QUANTITIES = ("speed", "curvature")
 UNITS = {"speed": "m/s", "curvature": "1"}
 """V; and the tip curvature over that of Eq. 7, mean over its window."""
@@ -78,17 +80,20 @@ class Answer:
         return f"{Measured(self.value, self.error)} {self.unit}".removesuffix(" 1")
 
 
-def ask(scene: Scene, quantity: str = "speed", session: Session | None = None) -> Answer:
+def ask(
+    scene: Scene, quantity: str = "speed", session: Session | None = None, most_seconds: float = MOST_SECONDS
+) -> Answer:
     """One number of a release to the tolerance of the scene, at the least expected cost.
 
     The formula comes first: its bar says whether it will do. Then levels of beads, from the cheapest that is expected
     to state the tolerance on, until one does. Where none does the best is given with a notice ``ladder-ends``. The runs
-    share the ``session``; no file is kept. UsageError for a scene that is no release, or has no such number.
+    share the ``session``; no file is kept, and no level is predicted to take more than ``most_seconds``. UsageError
+    for a scene that is no release, or has no such number.
     """
     start = time.perf_counter()
     if scene.auto_tolerance:
         scene = with_auto_tolerance(scene)
-    question = question_of(scene, quantity)
+    question = replace(question_of(scene, quantity), most_seconds=most_seconds)
     value, error = (float(one) for one in formula(question.scene, quantity))
     if error <= scene.tolerance * abs(value):
         found = answer_by_formula(question.scene, quantity, value, error, {}, start)
@@ -144,24 +149,36 @@ def _climbed(question: Question, known: tuple[float, float] | None, session: Ses
     prior = None if known is None else (known[0], known[1] / FORMULA_COVERS)
     relative = None if prior is None else prior[1] / abs(prior[0])
     levels: dict[int, float] = {}
+    tried: list[int] = []
+    failure: BeadbandError | None = None
     plan: Plan | None = None
     notices: tuple[Notice, ...] = ()
     best: tuple[float, float] | None = None
     while True:
-        step = next_step(question, tuple(levels), relative)
-        if step is None:
+        step = next_step(question, tuple(tried), relative)
+        if step is None or len(tried) - len(levels) > _MOST_FAILURES:
             break
         for level in step.levels:
-            plan = question.plan(level)
-            levels[level] = _value(question, plan, follow_rear(plan, session))
+            tried.append(level)
+            try:
+                plan = question.plan(level)
+                levels[level] = _value(question, plan, follow_rear(plan, session))
+            except BeadbandError as refused:
+                # Too few beads for the finger, or for an equilibrium: finer ones may do.
+                failure = refused
+        if not levels:
+            continue
         ranked = sorted(levels, reverse=True)
         beads = np.array([question.beads(one) for one in ranked], dtype=np.float64)
         limit = question.limit(beads, np.array([levels[one] for one in ranked]), prior)
         best = limit.value, question.stated(limit)
         if best[1] <= question.tolerance * abs(best[0]):
             break
-    assert best is not None
-    assert plan is not None
+    if best is None or plan is None:
+        allowed = f"at most {MOST_BEADS} beads and {question.most_seconds:g} s for a level"
+        raise failure or RunError(
+            explain("no level can be run", f"{question.beads(0)} beads", allowed, "change the scene")
+        )
     value, error = best
     about = partial(_about, question.scene, {})
     if error > question.tolerance * abs(value):

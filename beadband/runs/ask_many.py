@@ -17,6 +17,7 @@ from beadband.model.formula import VARIED, formula, shares_law
 from beadband.model.laws import LAWS
 from beadband.model.scene import Scene, scene_of
 from beadband.parameters import TABLE, checked
+from beadband.planning.ladder import MOST_SECONDS
 from beadband.runs.ask import UNITS, Answer, answer_by_formula, ask, question_of
 
 Array = NDArray[np.float64]
@@ -127,7 +128,12 @@ def _checked(key: str, values: NDArray[Any]) -> Array:
     return numbers
 
 
-def ask_one(values: Mapping[str, Any], quantity: str = "speed", session: Session | None = None) -> Answer:
+def ask_one(
+    values: Mapping[str, Any],
+    quantity: str = "speed",
+    session: Session | None = None,
+    most_seconds: float = MOST_SECONDS,
+) -> Answer:
     """The answer for one scene, given by its values.
 
     As :func:`beadband.runs.ask.ask`; where the formula will do, scenes that differ in :data:`VARIED` alone share the
@@ -141,7 +147,7 @@ def ask_one(values: Mapping[str, Any], quantity: str = "speed", session: Session
         value, error = formula(base, quantity, varied)
         if float(error) <= base.tolerance * abs(float(value)):
             return answer_by_formula(base, quantity, float(value), float(error), varied, start)
-    return ask(scene_of(values), quantity, session)
+    return ask(scene_of(values), quantity, session, most_seconds)
 
 
 _bases: dict[tuple[Any, ...], Scene | None] = {}

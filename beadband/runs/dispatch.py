@@ -18,6 +18,14 @@ if TYPE_CHECKING:
     from beadband.runs.finish import Reader
     from beadband.runs.results import Run
 
+if TYPE_CHECKING:
+    from beadband.planning.launch_plan import LaunchPlan
+    from beadband.planning.plan import Plan
+
+_LONGEST_S = 600.0
+_MOST_BYTES = 2e9
+"""Predicted time and disk space above which a run starts only when forced."""
+
 
 def run(scene: Scene, out: str | os.PathLike[str] | None = None, progress: Progress | None = None) -> Run:
     """Release or launch a scene.
@@ -45,6 +53,37 @@ def help_along(scene: Scene) -> None:
 
 def _one_rank() -> UsageError:
     return UsageError(explain("a launch runs on one rank", world().size, "one", "start it without mpirun"))
+
+
+def refuse_absurd(planned: Plan | LaunchPlan, frames: int | None) -> None:
+    """UsageError for a run predicted to take too long or, with all frames asked for, too much disk.
+
+    The plan may write fewer frames, one for each step at most; the request is refused before anything starts.
+    """
+    from beadband.planning import error_curves
+
+    seconds, size = planned.seconds, planned.disk_bytes
+    asked = error_curves.disk_bytes(planned.beads, frames or 0, 0)
+    if seconds <= _LONGEST_S and max(size, asked) <= _MOST_BYTES:
+        return
+    run = f"{planned.steps} steps of {planned.beads} beads"
+    if asked > size:
+        wrong, given = "so many frames would take too much disk space", f"{frames} frames, {asked / 1e9:.2g} GB"
+        allowed, advice = f"{_MOST_BYTES / 1e9:g} GB, and one frame for each step ({run})", "lower --frames"
+    else:
+        wrong = "the run is predicted to take too long or too much disk space"
+        given = f"{duration(seconds)} and {size / 1e9:.2g} GB for {run}"
+        allowed = f"{duration(_LONGEST_S)} and {_MOST_BYTES / 1e9:g} GB"
+        advice = "use fewer --beads or --frames or a smaller --loss-time"
+    raise UsageError(explain(wrong, given, allowed, f"{advice}, or add --force"), code="absurd-run")
+
+
+def duration(seconds: float) -> str:
+    """A time as a person says it: "6.9 h"."""
+    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.2g} s"
 
 
 def analyze(folder: str | os.PathLike[str]) -> Run:

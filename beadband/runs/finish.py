@@ -13,10 +13,10 @@ from beadband.model.scene import scene_of
 from beadband.model.scenefile import read_scene
 from beadband.planning.plan import Plan, plan_of
 from beadband.runs import folder as files
+from beadband.runs.clock import Clock
 from beadband.runs.held import hold
 from beadband.runs.measurement import measure, reading_own_files, reading_users_files
 from beadband.runs.rear_run import estimate_of
-from beadband.runs.release import Clock
 from beadband.runs.results import Run, stored_estimate, to_json
 from beadband.statics.ring import Ring
 

@@ -20,12 +20,13 @@ from beadband.model.scenefile import read_scene, scene_text
 from beadband.planning.launch_plan import LaunchPlan, launch_plan_of
 from beadband.planning.plan import Plan
 from beadband.runs import folder as files
+from beadband.runs.clock import Clock
 from beadband.runs.finish import Reader, unchanged, written
 from beadband.runs.input_errors import budget_of
 from beadband.runs.launch_results import Launch, LaunchEstimate, stored_launch_estimate
 from beadband.runs.measurement import measure
 from beadband.runs.rear_run import reading_own_files, reading_users_files
-from beadband.runs.release import Clock, Progress
+from beadband.runs.release import Progress
 from beadband.runs.results import Estimate, NoEstimate, stored_estimate
 from beadband.statics.finger import Support
 from beadband.statics.ring import Ring

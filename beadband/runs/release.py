@@ -6,9 +6,8 @@ What comes after the release is another module (:mod:`beadband.runs.finish`), im
 from __future__ import annotations
 
 import os
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +19,7 @@ from beadband.model.scene import Scene
 from beadband.model.scenefile import scene_text
 from beadband.planning.plan import plan_of
 from beadband.runs import folder as files
+from beadband.runs.clock import Clock
 from beadband.runs.held import hold
 
 if TYPE_CHECKING:
@@ -28,21 +28,6 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]
 """Called now and then with the steps done and the steps in all."""
 _FINISH = "beadband.runs.finish"
-
-
-class Clock:
-    """Seconds that each part of a run took."""
-
-    def __init__(self) -> None:
-        self.wall_s: dict[str, float] = {}
-
-    @contextmanager
-    def part(self, name: str) -> Iterator[None]:
-        start = time.perf_counter()
-        try:
-            yield
-        finally:
-            self.wall_s[name] = self.wall_s.get(name, 0.0) + time.perf_counter() - start
 
 
 def _import_finish() -> None:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beadband.errors import RunError, UsageError, explain
+from beadband.errors import BeadbandError, RunError, UsageError, explain
 from beadband.lammps.engine import Session, kept_session
+from beadband.model.scales import LONGEST_LAYER
 from beadband.model.scene import scene_of
-from beadband.model.validity import check_validity
+from beadband.model.validity import SLENDER, check_validity
 from beadband.notices import Notice, notice
 from beadband.parameters import TABLE
 from beadband.runs.ask import Answer, ask
@@ -36,6 +37,8 @@ _RANGES = {"strain": (0.02, 10.0), "half_angle_deg": (1.0, 89.0)}
 _POINTS = 33
 _COARSE = 0.02
 """Tolerance of the first look over the range."""
+_LOOK_S = 0.3
+"""Predicted seconds that a level of it may take."""
 _CLOSE = 0.1
 """Distance from the wanted speed, over its error, at which a value counts as found."""
 _MOST_STEPS = 12
@@ -113,12 +116,14 @@ def find(values: Mapping[str, Any], parameter: str, speed_m_s: float, session: S
         places, speeds, errors = _look({**values, "tolerance": max(_COARSE, tolerance)}, key, places, own)
         over = speeds - speed_m_s
         starts = _crossings(over, errors)
-        if len(starts) == 0:
+        nearest = int(np.argmin(np.abs(over)))
+        if not starts and abs(over[nearest]) > errors[nearest]:
             raise _unreachable(key, speed_m_s, places, speeds)
-        at = starts[0]
+        # At the very end of what can be reached the error decides: the place next to it.
+        at = starts[0] if starts else min(nearest, len(places) - 2)
         low, high = float(places[at]), float(places[at + 1])
         slope = float(speeds[at + 1] - speeds[at]) / (high - low)
-        guess = low - float(over[at]) / slope
+        guess = low - float(over[at]) / slope if starts else float(places[nearest])
         # The first look errs: the brackets are wider by what that moves the root.
         room = float(max(errors[at], errors[at + 1])) / abs(slope)
         low, high = max(float(places[0]), low - room), min(float(places[-1]), high + room)
@@ -156,8 +161,8 @@ def _look(values: Mapping[str, Any], key: str, places: Array, session: Session) 
     found = []
     for place in places.tolist():
         try:
-            answer = ask_one({**values, key: place}, "speed", session)
-        except RunError:
+            answer = ask_one({**values, key: place}, "speed", session, _LOOK_S)
+        except BeadbandError:
             continue
         found.append((place, answer.value, answer.error))
     if len(found) < 2:
@@ -182,18 +187,28 @@ def _session(session: Session | None) -> Any:
 
 
 def _answerable(values: Mapping[str, Any], key: str) -> Array:
-    """Values over the range that is searched whose scenes have an answer, evenly spaced by ratio."""
+    """Values over the range that is searched whose scenes have an answer, evenly spaced by ratio.
+
+    Of slender bands, whose leg is straight but for a little at the tip, unless the scene's is thick throughout.
+    """
     low, high = _RANGES.get(key) or TABLE[key].usual or (0.0, 0.0)
 
-    def holds(value: float) -> bool:
+    def holds(value: float, slender: bool = True) -> bool:
         try:
-            check_validity(scene_of({**values, key: value}))
+            scene = scene_of({**values, key: value})
+            check_validity(scene)
         except UsageError:
             return False
-        return True
+        leg = scene.wedge.reference_leg_m
+        fits = leg >= SLENDER * scene.band.thickness_m and scene.scales.bending_layer_m <= LONGEST_LAYER * leg
+        return fits or not slender
 
     places = np.geomspace(low, high, 4 * _POINTS)
-    held = [one for one in places.tolist() if holds(one)]
+    fits: Callable[[float], bool] = holds
+    held = [one for one in places.tolist() if fits(one)]
+    if len(held) < 2:
+        fits = partial(holds, slender=False)
+        held = [one for one in places.tolist() if fits(one)]
     if not held:
         check_validity(scene_of({**values, key: float(np.sqrt(low * high))}))
         raise UsageError(
@@ -201,11 +216,11 @@ def _answerable(values: Mapping[str, Any], key: str) -> Array:
         )
     least, most = held[0], held[-1]
     # The ends of what has an answer, between the last place that has and the first that has not.
-    least, most = _edge(holds, least, low), _edge(holds, most, high)
+    least, most = _edge(fits, least, low), _edge(fits, most, high)
     return np.geomspace(least, most, _POINTS)
 
 
-def _edge(holds: Any, inside: float, outside: float) -> float:
+def _edge(holds: Callable[[float], bool], inside: float, outside: float) -> float:
     if holds(outside):
         return outside
     for _ in range(12):

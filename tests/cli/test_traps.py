@@ -16,7 +16,7 @@ import pytest
 import beadband
 from beadband import commands, observables, parameters
 from beadband.cli import main
-from beadband.errors import RunError
+from beadband.errors import RunError, UsageError
 from beadband.model.scene import scene_of
 from beadband.planning.launch_plan import launch_plan_of
 from beadband.planning.plan import plan_of
@@ -81,6 +81,13 @@ def refusal(capsys: Capture, command: str) -> str:
 def test_what_would_be_ignored_or_absurd_is_refused_by_name(command: str, words: list[str], capsys: Capture) -> None:
     said = refusal(capsys, command)
     assert [word for word in words if word not in said] == []
+
+
+@pytest.mark.parametrize("options", [{"loss_time": 5}, {"frames": 100_000}])
+def test_python_refuses_absurd_runs_too(options: dict[str, Any]) -> None:
+    with pytest.raises(UsageError, match="disk space") as refused:
+        beadband.run(**options)
+    assert refused.value.code == "absurd-run"
 
 
 def test_a_modulus_that_reaches_the_stress_is_taken(capsys: Capture) -> None:
@@ -153,7 +160,8 @@ def test_a_sweep_says_why_a_scene_has_no_result(capsys: Capture) -> None:
 
 
 @pytest.mark.parametrize("command", ["bands", "analyze nodir", "plot nodir", "report nodir", "movie nodir", "verify",
-                                     "reproduce", "launch-map", "stability", *parameters.COMMANDS])  # fmt: skip
+                                     "reproduce", "launch-map", "stability", "find strain --speed 15",
+                                     *(name for name in parameters.COMMANDS if name != "find")])  # fmt: skip
 def test_every_option_of_a_scene_is_refused_where_it_is_not_used(command: str, capsys: Capture) -> None:
     name = command.partition(" ")[0]
     for one in list(parameters.TABLE.values()):
@@ -249,3 +257,18 @@ def test_no_message_names_a_function_of_the_program() -> None:
         for word in part.value.replace("(", " ").replace(")", " ").split()
     }
     assert said & (functions - known) == set()
+
+
+def test_what_python_shows_fits_a_screen() -> None:
+    swept = beadband.sweep(strain=[0.3], beads=60)
+    scene = beadband.scene(band="II")
+    shown = [beadband.plan(scene), beadband.plan(until="launch", beads=160), scene, swept]
+    assert all(len(line) < 120 for one in shown for line in repr(one).splitlines())
+    assert all(repr(one).count("\n") < 3 for one in shown)
+    assert repr(scene) == "<Scene: band II, strain 0.476, half-angle 14 deg, mooney-rivlin, until release>"
+    assert repr(swept) == "<Sweep of 1 scenes: 1 done>"
+
+
+def test_python_refuses_a_seed_without_draws() -> None:
+    with pytest.raises(UsageError, match="--seed is not used without --random"):
+        beadband.sweep(strain=[0.3], seed=4)

@@ -87,9 +87,11 @@ def test_what_a_page_names_exists(page: Path) -> None:
             assert set(re.findall(r"--[a-z][\w-]*", code)) <= known, code
 
 
-def test_the_front_page_lists_every_command() -> None:
-    listed = re.findall(r"^\| `beadband ([\w-]+)", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
-    assert sorted(listed) == sorted(subcommands())
+def test_the_front_page_is_short() -> None:
+    """A screen and a half of text; what a page says better stands there."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(re.sub(r"^```.*?^```$", "", text, flags=re.DOTALL | re.MULTILINE).split()) < 500
+    assert "docs/commands.md" in text
 
 
 def test_the_continuous_test_finds_its_command() -> None:

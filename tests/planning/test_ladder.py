@@ -39,7 +39,7 @@ def test_the_first_step_is_the_coarsest_that_will_do() -> None:
         step = next_step(asked, (), None)
         assert step is not None
         assert step.error <= ladder.AIM * tolerance
-        assert len(step.levels) == (2 if tolerance >= ladder.WHOLE_FROM else 3)
+        assert len(step.levels) == (2 if tolerance >= ladder.THREE_FROM else 3)
         coarser = tuple(level - 1 for level in step.levels)
         if coarser[0] >= 0:
             assert asked.expected(coarser[::-1], None) > ladder.AIM * tolerance
@@ -72,8 +72,9 @@ def test_a_later_step_is_finer_and_the_ladder_ends(monkeypatch: pytest.MonkeyPat
 
 
 def test_a_leg_that_will_not_do_is_a_ring() -> None:
-    assert question(1e-3).model == "leg"
-    assert question(1e-5).model == "ring"
+    reaches = [question(tolerance).reach for tolerance in (1e-3, 2e-4, 1e-5)]
+    assert reaches == ["cut", "whole", "ring"]
+    assert question(1e-3).model_error > question(2e-4).model_error > question(1e-5).model_error == 0.0
     assert question(1e-3, thickness_m=0.02).model == "ring"
 
 
@@ -97,7 +98,8 @@ def test_the_loss_of_a_law_without_a_shock_is_of_the_second_order() -> None:
 
 def test_and_so_is_its_error() -> None:
     """Linear law, whole legs: the order with that loss, and the error of one of the first order at equal beads."""
-    asked = question(5e-4, law="linear")
+    asked = question(2e-4, law="linear")
+    assert asked.reach == "whole"
     beads, speeds, first = [], [], []
     with Session() as session:
         for level in (10, 8, 6):

@@ -11,12 +11,15 @@ import pytest
 
 import beadband
 from beadband.cli import main
-from beadband.errors import UsageError
+from beadband.errors import RunError, UsageError
 from beadband.lammps.engine import Session
 from beadband.model.scene import scene_of
 from beadband.planning import ladder
+from beadband.planning.plan import Plan
+from beadband.runs import ask as asking
 from beadband.runs.ask import Answer, ask, question_of
 from beadband.runs.ask_many import Answers, ask_many, ask_one
+from beadband.runs.measurement import Measurement
 from beadband.runs.rear_run import follow_rear
 
 
@@ -36,7 +39,7 @@ def test_an_answer_keeps_its_word_at_every_tolerance(values: dict[str, object], 
     answers = {
         tolerance: ask(scene_of({**values, "tolerance": tolerance}), session=session) for tolerance in (0.02, 1e-3)
     }
-    fine = question_of(scene_of({**values, "tolerance": 5e-4}), "speed")
+    fine = question_of(scene_of({**values, "tolerance": 2.5e-4}), "speed")
     levels = [level for level in range(40) if fine.beads(level) <= 3 * answers[1e-3].beads][-1:-10:-4]
     speeds = np.array([follow_rear(fine.plan(level), session).fitted_speed_m_s.value for level in levels])
     true = fine.limit(np.array([fine.beads(level) for level in levels], dtype=np.float64), speeds)
@@ -118,3 +121,25 @@ def test_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: p
     assert main(["ask", "--beads", "100"]) == 2
     assert "--beads is not used by 'beadband ask'" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_levels_that_fail_are_passed_over(session: Session, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Too few beads for a finger, or for an equilibrium: the ladder goes on to finer ones, and gives up in the end."""
+    followed = asking.follow_rear
+
+    def fails_below(beads: int) -> None:
+        def follow(plan: Plan, session: Session) -> Measurement:
+            if plan.beads < beads:
+                raise RunError("too few beads")
+            return followed(plan, session)
+
+        monkeypatch.setattr(asking, "follow_rear", follow)
+
+    scene = scene_of({"tolerance": 1.5e-3})
+    fails_below(400)
+    answer = ask(scene, session=session)
+    assert answer.within_tolerance
+    assert answer.beads > 400
+    fails_below(10**9)
+    with pytest.raises(RunError, match="too few beads"):
+        ask(scene, session=session)

@@ -306,12 +306,9 @@ ROOT = Path(pareto.__file__).parents[3]
 def test_the_document_is_made_of_its_stored_numbers() -> None:
     stored = json.loads((ROOT / "docs/pareto.json").read_text(encoding="utf-8"))
     assert (ROOT / "docs/pareto.md").read_text(encoding="utf-8") == page.markdown(stored)
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    if page.START in readme:
-        assert readme.split(page.START)[1].split(page.END)[0] == page.numbered_findings(stored)
 
 
-def test_a_result_is_stored_with_its_page_and_the_front_page(tmp_path: Path) -> None:
+def test_a_result_is_stored_with_its_page_and_charts(tmp_path: Path) -> None:
     stored = json.loads((ROOT / "docs/pareto.json").read_text(encoding="utf-8"))
     result, docs = tmp_path / "result", tmp_path / "docs"
     result.mkdir()
@@ -319,9 +316,6 @@ def test_a_result_is_stored_with_its_page_and_the_front_page(tmp_path: Path) -> 
     stored["findings"] = [one for one in stored["findings"] if one["topic"] == "speed"]
     (result / "frontier.json").write_text(json.dumps(stored), encoding="utf-8")
     (result / "pareto-peers.png").write_bytes(b"a picture")
-    (tmp_path / "README.md").write_text(f"Before.\n{page.START}old{page.END}\nAfter.\n", encoding="utf-8")
     page.store(result, docs)
-    front = (tmp_path / "README.md").read_text(encoding="utf-8")
-    assert front == f"Before.\n{page.START}{page.numbered_findings(stored)}{page.END}\nAfter.\n"
     assert (docs / "pareto.md").read_text(encoding="utf-8") == page.markdown(stored)
     assert (docs / "pareto-peers.png").read_bytes() == b"a picture"

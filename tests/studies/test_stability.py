@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import resource
 import subprocess
 import sys
@@ -262,6 +263,7 @@ def test_full_disk_leaves_no_result(tmp_path: Path, kilobytes: int) -> None:
         [sys.executable, "-m", "beadband", "run", "--beads", "200", "--for", "speed", "--out", str(out)],
         capture_output=True,
         text=True,
+        env={name: value for name, value in os.environ.items() if not name.startswith("COVERAGE")},
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes * 1024, kilobytes * 1024)),
     )
     assert done.returncode == 1

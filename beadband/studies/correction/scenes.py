@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 
 from beadband.errors import BeadbandError
+from beadband.model.scales import LONGEST_LAYER
 from beadband.model.scene import Scene, scene_of
 from beadband.model.validity import check_validity
-from beadband.planning.plan import LONGEST_LAYER
 
 Values = dict[str, Any]
 Draw = Callable[[np.random.Generator], Values]
 
 STRAIN = (0.04, 2.5)
 HALF_ANGLE_DEG = (2.5, 42.0)
-SLENDERNESS = (0.0012, 0.12)
+SLENDERNESS = (0.0006, 0.12)
 """Thickness over circumference: band IV is below 0.002, band I above 0.02."""
 STATED_MODULUS = (0.35, 1.1)
 """Stated modulus E over that of the law at rest; it enters through EI alone."""
@@ -88,13 +88,13 @@ def _softened(rng: np.random.Generator) -> Values:
 
 
 LAW_DRAWS: dict[str, tuple[float, Callable[[np.random.Generator], Values]]] = {
-    "linear": (0.12, _linear),
-    "neo-hookean": (0.08, _neo_hookean),
-    "mooney-rivlin": (0.25, _mooney_rivlin),
-    "yeoh": (0.15, _yeoh),
-    "gent": (0.14, _gent),
+    "linear": (0.10, _linear),
+    "neo-hookean": (0.06, _neo_hookean),
+    "mooney-rivlin": (0.22, _mooney_rivlin),
+    "yeoh": (0.18, _yeoh),
+    "gent": (0.16, _gent),
     "ogden": (0.14, _ogden),
-    "softened": (0.12, _softened),
+    "softened": (0.14, _softened),
 }
 """Families of laws, each with its share of the scenes."""
 

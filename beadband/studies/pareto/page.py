@@ -13,8 +13,6 @@ from beadband.studies.pareto.outcomes import name_of
 from beadband.studies.pareto.peers.registry import INSTALL
 from beadband.studies.pareto.report import TITLES, full_name
 
-START, END = "<!-- pareto findings -->\n", "\n<!-- end -->"
-"""Around the findings on the front page."""
 _UNITS = {"speed": "m/s", "curvature_01": "1/m", "curvature_03": "1/m"}
 
 
@@ -177,7 +175,7 @@ def _numbers(entry: dict[str, Any]) -> str:
 
 
 def store(result: Path, docs: Path) -> None:
-    """Keep a result: docs/pareto.json (six digits), its page and charts, and the findings of the front page."""
+    """Keep a result: docs/pareto.json with six digits, the page made of it, and its charts."""
     text = (result / "frontier.json").read_text(encoding="utf-8")
     values = json.loads(text, parse_float=lambda number: float(f"{float(number):.6g}"))
     compact = json.dumps(values, ensure_ascii=False, separators=(",", ":"))
@@ -185,10 +183,6 @@ def store(result: Path, docs: Path) -> None:
     (docs / "pareto.md").write_text(markdown(values), encoding="utf-8")
     for chart in result.glob("pareto*.png"):
         shutil.copy(chart, docs)
-    readme = docs.parent / "README.md"
-    before, start, rest = readme.read_text(encoding="utf-8").partition(START)
-    if start:
-        readme.write_text(before + start + numbered_findings(values) + END + rest.partition(END)[2], encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import time
+from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
@@ -49,11 +50,17 @@ class Swept:
     def __len__(self) -> int:
         return len(self.rows)
 
+    def __repr__(self) -> str:
+        status = Counter(row["status"] for row in self.rows)
+        return (
+            f"<Sweep of {len(self)} scenes: {', '.join(f'{count} {name}' for name, count in sorted(status.items()))}>"
+        )
+
 
 def sweep(
     *,
     random: int | None = None,
-    seed: int = 0,
+    seed: int | None = None,
     jobs: int | None = 1,
     executor: Executor | None = None,
     out: str | os.PathLike[str] | None = None,

@@ -70,7 +70,7 @@ def _draw(axis: Axis, draws: random.Random) -> Any:
     return draws.uniform(*axis.between)
 
 
-def grid_of(values: Mapping[str, Any], count: int | None = None, seed: int = 0) -> Grid:
+def grid_of(values: Mapping[str, Any], count: int | None = None, seed: int | None = None) -> Grid:
     """Build a grid from an option's values each: a value, a list, or text as in "0.1:1.4:14" and "I,II,III".
 
     Options that are not named keep their defaults. With ``count`` so many scenes are drawn, ranges evenly between
@@ -93,7 +93,10 @@ def grid_of(values: Mapping[str, Any], count: int | None = None, seed: int = 0) 
     if count is not None and not 1 <= count <= MOST_SCENES:
         allowed = f"1 to {MOST_SCENES}"
         raise UsageError(explain("the number of scenes is out of range", count, allowed, "change --random"))
-    grid = Grid(tuple(axes), count, seed)
+    if seed is not None and count is None:
+        wrong = "--seed is not used without --random: the grid has no draws"
+        raise UsageError(explain(wrong, f"--seed {seed}", "--seed with --random", "leave it out"), parameters.UNUSED)
+    grid = Grid(tuple(axes), count, seed or 0)
     if len(grid) > MOST_SCENES:
         raise UsageError(
             explain("the grid is too large", f"{len(grid)} scenes", f"at most {MOST_SCENES}", "give fewer values")
