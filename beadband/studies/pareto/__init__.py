@@ -56,7 +56,7 @@ def pareto(
     times = cores.timings(scene, extent)
     result = frontier.as_dict(rows, limits[MAIN])
     found = findings(rows, limits[MAIN], times, result["plan"], other_work)
-    compared = compare(extent != FULL) if with_peers else None
+    compared = compare(extent != FULL, progress=progress) if with_peers else None
     if compared is not None:
         found += [asdict(one) for one in verdicts.findings(compared)]
         result["peers"] = verdicts.as_dict(compared)
