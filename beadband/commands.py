@@ -325,7 +325,7 @@ def pareto(arguments: Namespace) -> int:
     scene = scene_of(scene_values(arguments))
     out = folder.create(arguments.out if arguments.out is not None else folder.next_free("pareto"))
     progress = _Progress("run") if sys.stderr.isatty() else None
-    result = pareto.pareto(scene, out, QUICK if arguments.quick else FULL, progress)
+    result = pareto.pareto(scene, out, QUICK if arguments.quick else FULL, progress, with_peers=True)
     print(json.dumps(result, indent=1) if arguments.json else report.table(result))
     print(f"files in {out}; {result['wall_s']:.0f} s", file=sys.stderr)
     return 0

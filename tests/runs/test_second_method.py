@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
-from second_method import Elements, Released, Rod, graded_nodes, held_shape, release
 
 from beadband.analysis.fits import Array, hann_mean, slope
 from beadband.runs.held import hold
+from beadband.studies.pareto.peers.elements import Elements, Released, Rod, graded_nodes, held_shape, release
 from conftest import rear_of
 
 # Band III and its wedge.

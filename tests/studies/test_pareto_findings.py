@@ -22,6 +22,7 @@ from beadband.studies.pareto.findings import findings
 from beadband.studies.pareto.findings_text import SENTENCES, sentence
 from beadband.studies.pareto.methods import MAIN, Method, leg_plan
 from beadband.studies.pareto.outcomes import DONE, OK, OTHER_LIMIT, UNSETTLED, UNSTABLE, name_of, outcome_of
+from beadband.studies.pareto.peers.verdicts import CODES as PEER_CODES
 from beadband.studies.pareto.reference import Reference, extrapolated
 from beadband.studies.pareto.runs import Answer, Cost
 
@@ -287,6 +288,7 @@ def test_every_finding_is_tested() -> None:
         "bead-step",
         "not-timed",
         "second-core",
+        *PEER_CODES,  # test_peers.py
     }
     assert {code for code, _, _ in FROM_ROWS} | elsewhere == set(SENTENCES)
 
@@ -304,3 +306,16 @@ ROOT = Path(pareto.__file__).parents[3]
 def test_the_document_is_made_of_its_stored_numbers() -> None:
     stored = json.loads((ROOT / "docs/pareto.json").read_text(encoding="utf-8"))
     assert (ROOT / "docs/pareto.md").read_text(encoding="utf-8") == page.markdown(stored)
+
+
+def test_a_result_is_stored_with_its_page_and_charts(tmp_path: Path) -> None:
+    stored = json.loads((ROOT / "docs/pareto.json").read_text(encoding="utf-8"))
+    result, docs = tmp_path / "result", tmp_path / "docs"
+    result.mkdir()
+    docs.mkdir()
+    stored["findings"] = [one for one in stored["findings"] if one["topic"] == "speed"]
+    (result / "frontier.json").write_text(json.dumps(stored), encoding="utf-8")
+    (result / "pareto-peers.png").write_bytes(b"a picture")
+    page.store(result, docs)
+    assert (docs / "pareto.md").read_text(encoding="utf-8") == page.markdown(stored)
+    assert (docs / "pareto-peers.png").read_bytes() == b"a picture"

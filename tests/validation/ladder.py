@@ -4,7 +4,7 @@
 
 The true answer of a scene is that of whole legs with many more beads than any answer takes (its last four levels,
 carried on by :func:`beadband.analysis.convergence.limit_of`); ``--second-method N`` compares the first N fixed scenes
-with finite elements as well (tests/second_method.py). For each tolerance: answers within the tolerance, answers whose
+with finite elements as well (elements.py of the peers). For each tolerance: answers within the tolerance, answers whose
 true error is within the stated one, those that state that they could not, the time of a whole answer in a warm process,
 and that over the time of the cheapest level that would have done, known in hindsight.
 """
@@ -166,11 +166,9 @@ def summary(rows: list[dict[str, Any]]) -> list[str]:
 
 def against_second_method(count: int, session: Session) -> None:
     """The first fixed scenes against finite elements in space with an implicit method in time."""
-    sys.path.insert(0, str(Path(__file__).parents[1]))
-    import second_method
-
     from beadband.analysis.fits import path_slope
     from beadband.model.scales import SPEED_WINDOW
+    from beadband.studies.pareto.peers import elements as second_method
 
     for values in FIXED[:count]:
         scene = scene_of({**values, "tolerance": 2e-4})

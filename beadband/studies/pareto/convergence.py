@@ -19,7 +19,7 @@ _UNSTABLE_FROM = 0.1
 _SIGNIFICANT = 5e-4
 """Error of the finest run from which a method is examined for another limit."""
 _ENOUGH_FINER = 3
-_STALLED = 0.2
+STALLED = 0.2
 """Change between the two finest runs, over their error, below which a method no longer converges to the reference: a
 method of the first order whose runs are a factor of sqrt(2) apart changes by 0.41 of it."""
 
@@ -41,6 +41,8 @@ class Row:
     setup_s: float
     integrate_s: tuple[float, ...]
     """Each of the repeats."""
+    whole_s: float
+    """Relaxing, setting up and integrating together, the quickest repeat."""
     answer: Answer | None
     errors: Errors = _UNKNOWN
     """Against the limit of no spacing and no numerical loss."""
@@ -77,6 +79,7 @@ def row_of(method: Method, costs: Sequence[Cost], answer: Answer | None, outcome
         relax_s=median(cost.relax_s for cost in costs) if costs else math.nan,
         setup_s=median(cost.setup_s for cost in costs) if costs else math.nan,
         integrate_s=tuple(cost.integrate_s for cost in costs),
+        whole_s=min((cost.relax_s + cost.setup_s + cost.integrate_s for cost in costs), default=math.nan),
         answer=answer,
         own=method.own,
         outcome=outcome,
@@ -102,6 +105,7 @@ def pairs(rows: Iterable[Row]) -> list[Row]:
                 bead_steps=fine.bead_steps + coarse.bead_steps,
                 relax_s=fine.relax_s + coarse.relax_s,
                 setup_s=fine.setup_s + coarse.setup_s,
+                whole_s=fine.whole_s + coarse.whole_s,
                 integrate_s=tuple(a + b for a, b in zip(fine.integrate_s, coarse.integrate_s, strict=True)),
                 answer=Answer(values[0], (values[1], values[2])),
             )
@@ -177,7 +181,7 @@ def _convergence(variant: Sequence[Row], production: Sequence[Row], references: 
     apart = max((abs(last.answer.speed_m_s / speed - 1.0) for speed in same_beads), default=math.inf)
     if min(error, apart) <= max(3.0 * main.relative(0), _SIGNIFICANT):
         return DONE
-    if moved < _STALLED * error:
+    if moved < STALLED * error:
         return noticed(OTHER_LIMIT, "stalled-off-limit", change=moved, value=error)
     coarsest = good[0]
     if error > 0.5 * coarsest.errors[0]:

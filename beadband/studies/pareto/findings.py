@@ -19,7 +19,7 @@ _PREFERRED = 1.3
 """Cost over that of the cheapest method up to which the production method is named instead."""
 _SIMILAR_ERROR, _SMALL_ERROR = 1.5, 1e-3
 """Error over that of production, or error, up to which rRESPA counts as equally accurate."""
-TOPICS = ("speed", "curvature", "plan", "variants", "cores")
+TOPICS = ("speed", "curvature", "plan", "variants", "cores", "peers")
 
 
 @dataclass(frozen=True)

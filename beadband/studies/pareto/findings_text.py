@@ -202,6 +202,61 @@ def _second_core(values: Values) -> str:
     return text
 
 
+def _peers_compared(values: Values) -> str:
+    cases, behind, legs = values["cases"], values["behind"], values["leg_ahead"]
+    text = f"the same {values['scenes']} scenes were given to every tool in {values['runs']} runs"
+    if values["failed"]:
+        text += f", of which {values['failed']} failed ({values['failed_own']} of them variants of beadband's own)"
+    if not cases:
+        return f"{text}; no other program reached any of the tolerances"
+    share = f"in all {cases}" if not behind else f"in {cases - behind} of {cases}"
+    text += (
+        f"; {share} cases of a scene and a tolerance that another program reaches, beadband reaches it in less time, "
+        "by its plan or when it is asked"
+    )
+    if not behind:
+        return text
+    return text + (
+        f". In the other {behind} the program's level, chosen in hindsight, is quicker than levels that are run until "
+        f"the error is known; a leg of beadband chosen in hindsight is quicker than the program in {legs} of them"
+    )
+
+
+def _peer_verdict(values: Values) -> str:
+    some = "" if values["scenes"] == values["of"] else f", which can be given {values['scenes']} of the scenes,"
+    parts = []
+    for level in values["levels"]:
+        if not level["reached"]:
+            continue
+        ratios = [
+            f"{name} {digits(level[key]['times_as_fast'][1])}"
+            + (f", though beyond the tolerance on {level[key]['missed']}" if level[key]["missed"] else "")
+            for key, name in (("plan", "the plan"), ("ask", "asking"))
+            if key in level
+        ]
+        where = f"{percent(level['tolerance'])} on {level['reached']} of {level['tried']}"
+        parts.append(f"{where} ({'; '.join(ratios)} times as fast in the median)" if ratios else where)
+    never = [percent(level["tolerance"]) for level in values["levels"] if not level["reached"]]
+    text = f"{values['peer']}{some}"
+    if parts:
+        text += f" reaches {', '.join(parts)}"
+    if never:
+        text += (", and does not reach " if parts else " does not reach ") + ", ".join(never)
+    return text
+
+
+def _peer_failures(values: Values) -> str:
+    return f"{values['failed']} of its runs failed ({values['reason']})"
+
+
+def _second_method(values: Values) -> str:
+    return (
+        f"on {values['scenes']} scenes the finite elements, extrapolated, agree with the reference to "
+        f"{percent(values['median'])} in the median, {percent(values['most'])} at most (its own uncertainty is at most "
+        f"{percent(values['uncertainty'])})"
+    )
+
+
 SENTENCES: dict[str, Callable[[Values], str]] = {
     "cost-of-speed": _speed,
     "whole-ring": _ring,
@@ -219,5 +274,11 @@ SENTENCES: dict[str, Callable[[Values], str]] = {
     "bead-step": _bead_step,
     "not-timed": _not_timed,
     "second-core": _second_core,
+    "peers-compared": _peers_compared,
+    "peer-verdict": _peer_verdict,
+    "peer-failures": _peer_failures,
+    "peer-absent": lambda values: f"{values['peer']} is not installed: {values['install']}",
+    "peer-other-laws": lambda values: f"{values['peer']} takes {', '.join(values['laws'])} alone: no scene was for it",
+    "second-method": _second_method,
 }
 """The sentence of each finding, by its code."""

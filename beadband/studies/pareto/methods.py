@@ -57,7 +57,7 @@ QUICK = Extent(
     spline_points=(51, 2001),
     linear_points=(201, 2001),
     losses=(0.1, 0.8),
-    repeats=5,
+    repeats=3,
     cores=(100, 1_000, 10_000),
     core_rounds=1,
 )

@@ -8,8 +8,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from beadband.studies.pareto.findings_text import count, sentences
+from beadband.studies.pareto.findings_text import count, digits, percent, sentences
 from beadband.studies.pareto.outcomes import name_of
+from beadband.studies.pareto.peers.registry import INSTALL
 from beadband.studies.pareto.report import TITLES, full_name
 
 _UNITS = {"speed": "m/s", "curvature_01": "1/m", "curvature_03": "1/m"}
@@ -33,6 +34,7 @@ def markdown(result: dict[str, Any]) -> str:
     low, high = result["load_average"]
     parts = [
         "# Error against cost\n",
+        *_peers_first(result),
         f"What each way to compute a release costs for the error that it leaves: band {scene['band']}, strain "
         f"{scene['strain']:g}, half-angle {scene['half_angle_deg']:g} degrees, {scene['law']} law. "
         f"{runs} methods and sizes, by outcome: {outcomes}.\n",
@@ -57,6 +59,7 @@ def markdown(result: dict[str, Any]) -> str:
         + "` runs everything again; `pareto.csv` holds every run, `cores.csv` every timing of the cores, and "
         "`frontier.json` all that this page is made of.",
     ]
+    parts += _peers(result)
     for name, front in result["frontier"].items():
         parts += [
             f"\n## Frontier of {TITLES[name]}\n",
@@ -88,6 +91,79 @@ def markdown(result: dict[str, Any]) -> str:
     return "\n".join(parts) + "\n"
 
 
+def _peers_first(result: dict[str, Any]) -> list[str]:
+    """The first picture and what it shows."""
+    if "peers" not in result:
+        return []
+    return [
+        "## Beadband and what else could be used\n",
+        "![Error of V against the time of the whole answer, beadband and other programs](pareto-peers.png)\n",
+        f"Error of V against the time of the whole answer, set-up included, in a warm process on one core: medians "
+        f"over the scenes of a law, bars from the least to the greatest. {len(result['peers']['scenes'])} scenes, the "
+        "same for every program, in the same run. A program that can't be given a law is not in its panel. Grey: below "
+        "the uncertainty of the reference.\n",
+        "## Every method of beadband, on one scene\n",
+    ]
+
+
+def _peers(result: dict[str, Any]) -> list[str]:
+    """Times of the peers at each tolerance, the cases where beadband is behind, and how each peer is set up."""
+    if "peers" not in result:
+        return []
+    found = result["peers"]
+    parts = [
+        "\n## Other programs\n",
+        "For each tolerance: the scenes on which a program gets there, the median of its time, and how many times as "
+        "fast beadband is (the median): by its plan, when it is asked, and by a leg chosen in hindsight. The level of "
+        "a program is always chosen in hindsight: the quickest that is within the tolerance, as all its finer ones.\n",
+        "| program | tolerance | scenes | ms | plan | asked | leg in hindsight |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for one in result["findings"]:
+        if one["code"] != "peer-verdict":
+            continue
+        values = one["values"]
+        for level in values["levels"]:
+            where = f"| {values['peer']} | {100 * level['tolerance']:g} % | {level['reached']} of {values['scenes']} |"
+            if not level["reached"]:
+                parts.append(f"{where} - | - | - | - |")
+                continue
+            cells = [digits(level[key]["times_as_fast"][1]) if key in level else "-" for key in ("plan", "ask", "leg")]
+            parts.append(f"{where} {digits(1e3 * level['seconds'][1])} | {' | '.join(cells)} |")
+    parts += [
+        "\n![The same, scene by scene](pareto-peers-scenes.png)\n",
+        "![Error of the tip curvature against the time of the whole answer](pareto-peers-curvature.png)\n",
+    ]
+    if found["behind"]:
+        parts += [
+            "Where neither the plan nor the answer to a question is quicker than a program within the tolerance:\n",
+            "| scene | tolerance | program | elements | its ms | plan, ms | asked, ms | leg in hindsight, ms |",
+            "|---|---|---|---|---|---|---|---|",
+        ]
+        for case in found["behind"]:
+            own = [digits(1e3 * case[key]["whole_s"]) if key in case else "-" for key in ("plan", "ask", "leg")]
+            parts.append(
+                f"| {case['scene']} | {100 * case['tolerance']:g} % | {case['peer']} | {case['elements']:g} | "
+                f"{digits(1e3 * case['whole_s'])} | {' | '.join(own)} |"
+            )
+    parts += [
+        "\nThe scenes:\n",
+        "| scene | band | law | thickness, mm | strain | half-angle | V, m/s |",
+        "|" + "---|" * 7,
+    ]
+    parts += [
+        f"| {name} | {one['band']} | {one['law']} | {1e3 * one['thickness_m']:g} | {one['strain']:g} | "
+        f"{one['half_angle_deg']:g}° | {one['speed_m_s']:.6g} ± {percent(one['uncertainty'])} |"
+        for name, one in found["scenes"].items()
+    ]
+    parts += ["\nHow each program is set up (the adapters, and how to add one: [peers](peers.md)):\n"]
+    parts += [
+        f"* **{peer['name']}**: {peer['note']}." + ("" if peer["installed"] else f" Not installed: `{INSTALL}`.")
+        for peer in found["peers"]
+    ]
+    return parts
+
+
 _RATIOS = ("frontier_at_its_error", "production_at_its_error", "frontier_at_tolerance")
 
 
@@ -99,7 +175,7 @@ def _numbers(entry: dict[str, Any]) -> str:
 
 
 def store(result: Path, docs: Path) -> None:
-    """Keep a result's frontier.json with six digits as docs/pareto.json, the page made of it, and its charts."""
+    """Keep a result: docs/pareto.json with six digits, the page made of it, and its charts."""
     text = (result / "frontier.json").read_text(encoding="utf-8")
     values = json.loads(text, parse_float=lambda number: float(f"{float(number):.6g}"))
     compact = json.dumps(values, ensure_ascii=False, separators=(",", ":"))

@@ -71,7 +71,7 @@ def held_shape(rod: Rod, held_stretch: float, half_angle_rad: float, places_m: A
     scale = math.sqrt(2.0 * tension / rod.bending_stiffness_n_m2)
 
     def stretch(force: float) -> float:
-        return brentq(lambda s: rod.area_m2 * float(rod.stress_pa(s)) - force, 0.9, held_stretch, xtol=1e-14)
+        return float(brentq(lambda s: rod.area_m2 * float(rod.stress_pa(s)) - force, 0.9, held_stretch, xtol=1e-14))
 
     # s as a polynomial of the force: smooth, so that Chebyshev points give it to rounding.
     fit = np.polynomial.Chebyshev.interpolate(np.vectorize(stretch), 24, domain=[0.0, tension])
@@ -113,7 +113,8 @@ class Elements:
         def wide(shapes: list[Array]) -> Array:
             """For x and y alike: shape (elements, points, 2, 8)."""
             table = np.stack([np.broadcast_to(shape, self.weight.shape) for shape in shapes], axis=-1)
-            return np.einsum("epa,ij->epiaj", table, np.eye(2)).reshape(self.count, len(_GAUSS), 2, 8)
+            both: Array = np.einsum("epa,ij->epiaj", table, np.eye(2)).reshape(self.count, len(_GAUSS), 2, 8)
+            return both
 
         # (elements, points, 4, 8): from the unknowns of an element to x', y', x'', y'' at its Gauss points.
         self.gradients = np.concatenate([wide(first), wide(second)], axis=2)
@@ -129,7 +130,8 @@ class Elements:
         return (self.flat @ self.of_elements(unknowns)[:, :, None]).reshape(self.count, len(_GAUSS), 4)
 
     def of_elements(self, unknowns: Array) -> Array:
-        return np.lib.stride_tricks.sliding_window_view(unknowns, 8)[::4]
+        found: Array = np.lib.stride_tricks.sliding_window_view(unknowns, 8)[::4]
+        return found
 
     def loads(self, unknowns: Array, rates: Array, accelerations: Array) -> Array:
         """M r_tt + dU/dr + losses; zero where the motion is right, and at fixed unknowns."""
@@ -194,9 +196,13 @@ def _turning(p: Array, q: Array, stretch: Array) -> tuple[Array, Array]:
 
 
 def release(rod: Rod, held_stretch: float, half_angle_rad: float, nodes_m: Array, end_s: float, steps: int) -> Released:
-    """Let the tip of the held leg go at t = 0 and follow it to ``end_s``."""
-    mesh = Elements(rod, nodes_m)
-    u = np.concatenate(held_shape(rod, held_stretch, half_angle_rad, nodes_m), axis=1).ravel()
+    """Release the tip of the held leg at t = 0 and follow it to ``end_s``."""
+    return follow(Elements(rod, nodes_m), held_shape(rod, held_stretch, half_angle_rad, nodes_m), nodes_m, end_s, steps)
+
+
+def follow(mesh: Elements, shape: tuple[Array, Array], nodes_m: Array, end_s: float, steps: int) -> Released:
+    """The same from a shape (position and r', each (nodes, 2)); RuntimeError where Newton's method fails."""
+    u = np.concatenate(shape, axis=1).ravel()
     v = np.zeros_like(u)
     times = np.linspace(0.0, end_s, steps + 1)
     tip_x, curvature = np.zeros(steps + 1), np.zeros(steps + 1)
