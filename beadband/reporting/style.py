@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from beadband.errors import UsageError, explain
+from beadband.studies.palette import PALETTE
 
 FORMATS = ("png", "pdf", "svg")
 COLUMNS = (1, 2)
 _WIDTH_IN = {1: 3.35, 2: 6.89}
 """Widths of one and two columns: 85 and 175 mm, which most journals print."""
-PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-"""Colours for runs side by side, told apart with any colour vision (Okabe and Ito, 2008)."""
 _LINES = ("-", "--", "-.", ":")
 
 

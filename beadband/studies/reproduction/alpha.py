@@ -131,7 +131,8 @@ def fig22(sheet: Sheet, runs: Runs, quick: bool) -> list[Entry]:
             )
     axes[2].axhline(ALPHA, color="k", linestyle=":")
     axes[2].set(xlabel="EI over the band's own (0: × 10⁻⁴)", ylabel="fitted α", title="α with bending off, on, ×2, ×4")
-    axes[2].legend(fontsize=7)
+    axes[2].set_ylim(None, 1.15 * axes[2].get_ylim()[1])  # room for the legend above the lines
+    axes[2].legend(fontsize=7, ncols=2, loc="upper center")
     figure.suptitle("Fig. 22: α of Eq. 10 with each wave speed, and with bending changed")
     sheet.save(figure, "fig22")
 

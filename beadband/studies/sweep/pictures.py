@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from beadband.parameters import TABLE
+from beadband.studies.palette import PALETTE
 from beadband.studies.sweep.row import DONE, WAVES, Row
 from beadband.studies.sweep.store import number
 from beadband.studies.sweep.summary import alpha, slope_through_zero
 
 _WAVE_NAMES = {"bar": "C = sqrt(E/ρ)", "rest": "C = sqrt(E0/ρ)", "front_horizontal": "C of the front, horizontal"}
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _MAP_AXES = ("strain", "half_angle_deg")
 _LABELS = {"strain": "strain", "half_angle_deg": "half-angle (degrees)"}
 
@@ -41,6 +42,19 @@ def _groups(rows: Sequence[Row]) -> dict[str, list[Row]]:
     return groups
 
 
+def _looks(groups: dict[str, list[Row]]) -> dict[str, dict[str, Any]]:
+    """Colour by band and marker by law; those of one law are filled, the others hollow."""
+    first = [of[0] for of in groups.values()]
+    bands, laws = (list(dict.fromkeys(str(row.get(key)) for row in first)) for key in ("band", "law"))
+    looks = {}
+    for name, row in zip(groups, first, strict=True):
+        band, law = bands.index(str(row.get("band"))), laws.index(str(row.get("law")))
+        colour = PALETTE[band % len(PALETTE)]
+        looks[name] = {"color": colour, "marker": _MARKERS[law % len(_MARKERS)], "linestyle": "none",
+                       "markerfacecolor": colour if law == 0 else "none", "markeredgewidth": 0.7}  # fmt: skip
+    return looks
+
+
 def _save(figure: Any, path: Path) -> Path:
     from matplotlib import pyplot
 
@@ -55,22 +69,21 @@ def _numbers(rows: Sequence[Row], column: str) -> Any:
 
 def _collapse(rows: Sequence[Row], path: Path) -> Path:
     """V/C against the published formula, for each of the three C."""
-    from matplotlib import colormaps, pyplot
+    from matplotlib import pyplot
 
     figure, panels = pyplot.subplots(1, 3, figsize=(14.0, 4.8), layout="constrained")
     groups = _groups(rows)
-    shades = colormaps["tab10" if len(groups) <= 10 else "tab20"]
+    looks = _looks(groups)
     for wave, axes in zip(WAVES, panels, strict=True):
-        for i, (name, of) in enumerate(groups.items()):
+        for name, of in groups.items():
             axes.errorbar(
                 _numbers(of, "published_ratio"),
                 _numbers(of, f"ratio_{wave}"),
                 yerr=_numbers(of, f"alpha_{wave}_error") * _numbers(of, "published_ratio"),
-                fmt=_MARKERS[i % len(_MARKERS)],
-                markersize=2.6,
+                markersize=3.0,
                 elinewidth=0.6,
-                color=shades(i % shades.N),
                 label=name or "all",
+                **looks[name],
             )
         x, y = _numbers(rows, "published_ratio"), _numbers(rows, f"ratio_{wave}")
         fit, spread = slope_through_zero(x, y), alpha(rows, wave)
@@ -92,20 +105,19 @@ def _collapse(rows: Sequence[Row], path: Path) -> Path:
 
 def _residuals(rows: Sequence[Row], path: Path) -> Path:
     """Alpha of each scene over what it should not depend on."""
-    from matplotlib import colormaps, pyplot
+    from matplotlib import pyplot
 
     figure, panels = pyplot.subplots(1, 2, figsize=(12.0, 4.6), layout="constrained", sharey=True)
     groups = _groups(rows)
-    shades = colormaps["tab10" if len(groups) <= 10 else "tab20"]
+    looks = _looks(groups)
     for key, axes in zip(_MAP_AXES, panels, strict=True):
-        for i, (name, of) in enumerate(groups.items()):
+        for name, of in groups.items():
             axes.plot(
                 _scene_numbers(of, key),
                 _numbers(of, "alpha_front_horizontal"),
-                _MARKERS[i % len(_MARKERS)],
-                markersize=2.8,
-                color=shades(i % shades.N),
+                markersize=3.0,
                 label=name or "all",
+                **looks[name],
             )
         axes.axhline(1.0, color="#8a8a8a", linestyle="--", linewidth=1.0)
         axes.set(xlabel=_LABELS[key])
