@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
-from importlib.resources import files as resources
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +17,7 @@ from beadband.model.bands import CATALOGUE
 from beadband.model.laws import LAWS
 from beadband.model.scales import LONGEST_LAYER
 from beadband.parameters import TABLE, defaults
-from beadband.reporting.page import digest, embedded
+from beadband.reporting.page import filled
 from beadband.runs import folder as files
 
 NAME = "explore.html"
@@ -39,18 +37,7 @@ def write(out: str | os.PathLike[str]) -> Path:
 
 def page() -> str:
     """The page as text."""
-    template, style, script = (
-        resources("beadband.reporting").joinpath(f"explore.{ending}").read_text(encoding="utf-8")
-        for ending in ("html", "css", "js")
-    )
-    parts = {
-        "style": style,
-        "script": script,
-        "style_hash": digest(style),
-        "script_hash": digest(script),
-        "data": embedded(tables()),
-    }
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], template)
+    return filled("explore", tables())
 
 
 def tables() -> dict[str, Any]:

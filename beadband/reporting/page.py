@@ -46,21 +46,26 @@ def write(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = N
 
 def page(story: Story) -> str:
     """The page as text."""
+    return filled("page", as_dict(story))
+
+
+def filled(name: str, data: Mapping[str, Any]) -> str:
+    """The template NAME.html with its style and script in it, and ``data`` for the script as JSON."""
     template, style, script = (
-        resources("beadband.reporting").joinpath(name).read_text(encoding="utf-8")
-        for name in ("page.html", "page.css", "page.js")
+        resources("beadband.reporting").joinpath(f"{name}.{ending}").read_text(encoding="utf-8")
+        for ending in ("html", "css", "js")
     )
     parts = {
         "style": style,
         "script": script,
-        "style_hash": digest(style),
-        "script_hash": digest(script),
-        "story": embedded(as_dict(story)),
+        "style_hash": _digest(style),
+        "script_hash": _digest(script),
+        "data": embedded(data),
     }
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], template)
 
 
-def digest(text: str) -> str:
+def _digest(text: str) -> str:
     """What the content security policy asks of an inline style or script."""
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
 

@@ -128,7 +128,7 @@ def compare(
 
 def _ours(name: str, scene: Scene, extent: Extent, session: Session, limit: Reference) -> list[Point]:
     """The production runs, their pairs, the plans, and the other methods that solve the same problem."""
-    from beadband.studies.pareto import measured, plans
+    from beadband.studies.pareto.repeats import measured, plans
 
     compared: list[Method] = [*methods(scene, extent), *plans(scene)]
     compared = [one for one in compared if one.own == MAIN and one.variant not in _SLOW]
