@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import json
 import os
-import random
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from beadband.errors import BeadbandError
 from beadband.lammps.engine import Session
 from beadband.model.scene import Scene
-from beadband.parameters import PLANNED, TABLE, refuse_unused
-from beadband.studies.pareto.convergence import Row, pairs, row_of, with_errors
-from beadband.studies.pareto.methods import FULL, MAIN, Extent, Method, methods
-from beadband.studies.pareto.outcomes import DONE, Outcome, outcome_of
+from beadband.parameters import TABLE, refuse_unused
+from beadband.studies.pareto.convergence import pairs, with_errors
+from beadband.studies.pareto.methods import FULL, MAIN, Extent, methods
 from beadband.studies.pareto.repeats import Progress, measured, plans
 
 
