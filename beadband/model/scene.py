@@ -171,10 +171,11 @@ class Scene:
         changed = [key for key, value in own.items() if known.get(key) not in (None, value)]
         if set(changed) >= {"circumference_m", "thickness_m"}:
             return f"of {_size('circumference_m', own)} circumference"
-        # Constants of a law that the catalogue does not have for this band.
+        # Constants of a law that the catalogue does not have for this band; a curve of many points has only its name.
         foreign = [key for key, value in self.material.values().items() if key not in known and value != 0.0]
-        sizes = {key: f"{TABLE[key].option} {_size(key, own)}" for key in (*changed, *foreign)}
-        law = [self.law, *(sizes[key] for key in foreign)] if foreign else []
+        told = [key for key in foreign if TABLE[key].section != "record"]
+        sizes = {key: f"{TABLE[key].option} {_size(key, own)}" for key in (*changed, *told)}
+        law = [self.law, *(sizes[key] for key in told)] if foreign else []
         return ", ".join([self.band.name, *(sizes[key] for key in changed), *law])
 
     def as_dict(self) -> dict[str, Any]:

@@ -216,6 +216,12 @@ def test_a_table_shorter_than_the_strain_is_refused_with_its_end(tmp_path: Path)
         scene_of({"file": str(path)})
 
 
+def test_a_band_of_a_tensile_test_is_called_by_its_law_alone(tmp_path: Path) -> None:
+    """Not by the dozens of points of its curve."""
+    csv = write(tmp_path / "test.csv", BAND_III.stress, np.linspace(1.0, 2.0, 20))
+    assert scene_of({"law": "tensile", "file": str(csv)}).label == "III, tensile"
+
+
 def test_beads_move_like_those_of_the_law(tmp_path: Path) -> None:
     path = write(tmp_path / "iii.csv", BAND_III.stress, np.linspace(1.0, 2.0, 30))
 
