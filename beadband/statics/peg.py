@@ -51,11 +51,14 @@ def peg_leg(request: LegRequest, peg: Peg | None, tip: tuple[float, float] = LEG
         return PegLeg(shape.leg(shape.settled(1), 1), 1)
     count = min(1 + math.floor(peg.wrapped_m / request.strand.spacing_m), request.bonds - 1)
     unknown = shape.settled(count)
-    while shape.overlaps(unknown, count) and count < request.bonds - 1:
+    inside = shape.overlaps(unknown, count)
+    while inside and count < request.bonds - 1:
         count += 1
-        unknown = shape.settled(count)
-    while count > 1:
-        fewer = shape.settled(count - 1)
+        unknown = shape.settled(count, unknown)
+        if not shape.overlaps(unknown, count):
+            break
+    while not inside and count > 1:
+        fewer = shape.settled(count - 1, unknown)
         if shape.overlaps(fewer, count - 1):
             break
         count, unknown = count - 1, fewer
@@ -80,12 +83,27 @@ class _Shape:
         lift_off, wrapped = (peg.lift_off_rad, peg.wrapped_m) if peg else (opening, 0.0)
         self.free = np.minimum(exact_angles(request, lift_off, wrapped), opening)
         self.step = strand.spacing_m * peg.stretch / peg.radius_m if peg else 0.0
+        self.on_circle = 0
+        self.at: Array | None = None
 
-    def start(self, count: int) -> Array:
-        """Unknowns of beads without end."""
-        return np.concatenate([self.step * np.arange(1, count), self.free[count - 1 :]])
+    def start(self, count: int, near: Array | None) -> Array:
+        """Unknowns to begin with: of beads without end, or those ``near`` with one bead more or less on the circle.
 
-    def settled(self, count: int) -> Array:
+        A bond whose upper bead goes onto the circle, or off it, keeps its direction.
+        """
+        if near is None:
+            return np.concatenate([self.step * np.arange(1, count), self.free[count - 1 :]])
+        last = count - 2 if self.on_circle < count else count - 1  # the unknown that changes its meaning
+        sum_of_angles = math.pi - 2.0 * self.phi
+        below = near[last - 1] if last else 0.0
+        at = near.copy()
+        if self.on_circle < count:
+            at[last] = sum_of_angles - 2.0 * near[last] - below
+        else:
+            at[last] = 0.5 * (sum_of_angles - near[last] - below)
+        return at
+
+    def settled(self, count: int, near: Array | None = None) -> Array:
         """Unknowns in equilibrium with so many beads on the circle; RunError where there is none to be found."""
 
         def step(at: Array) -> tuple[float, Callable[[float], Array]]:
@@ -94,12 +112,14 @@ class _Shape:
             right.ravel()[: len(at)] = -gradient
             move = solve_blocks(blocks, right).ravel()[: len(at)]
             # Chords keep more than half of their length, and no bond turns over.
-            most = 0.5 / max(1.0, *(self.radius * np.abs(np.diff(move[: count - 1], prepend=0.0))), *np.abs(move))
-            return min(1.0, 2.0 * most), lambda share: at + share * move
+            chords = self.radius * np.diff(move[: count - 1], prepend=0.0) if count > 1 else move[:0]
+            change = max(float(np.abs(chords).max(initial=0.0)), float(np.abs(move).max()))
+            return min(1.0, 0.5 / max(change, 0.5)), lambda share: at + share * move
 
-        unknown, error = damped_newton(self.start(count), lambda at: self.imbalance(at, count), step, _GOAL)
+        unknown, error = damped_newton(self.start(count, near), lambda at: self.imbalance(at, count), step, _GOAL)
         if not error <= BOUND:
             raise no_equilibrium(error)
+        self.on_circle = count
         return unknown
 
     def imbalance(self, at: Array, count: int) -> float:
@@ -109,6 +129,12 @@ class _Shape:
         return float(np.abs(gradient).max())
 
     def _gradient(self, at: Array, count: int) -> tuple[Array, Array, Array, Array, Array]:
+        """:meth:`_terms`, made once for each state."""
+        if at is not self.at:
+            self.at, self.terms = at, self._terms(at, count)
+        return self.terms
+
+    def _terms(self, at: Array, count: int) -> tuple[Array, Array, Array, Array, Array]:
         """Gradient; derivatives of turning by the unknown of the same number and the two before; terms of stretch."""
         chords, alpha = count - 1, at[count - 1 :]
         slope = np.ones(len(at))  # of each bond's direction, by its own unknown and the one before
@@ -143,19 +169,23 @@ class _Shape:
             beside[1:chords] = -stiff[1:]
             gradient[chords - 1] -= r * math.sin(theta[-1] + self.phi)
             diagonal[chords - 1] -= r * math.cos(theta[-1] + self.phi)
-        free = self.rows.stretches(self.held_pa * np.cos(alpha)[None, :])[0]
+        free = self.free_stretches(alpha)
         gradient[chords:] += free * np.sin(alpha)
         diagonal[chords:] += free * np.cos(alpha) - self.held_pa / law.tangent(free) * np.sin(alpha) ** 2
         return gradient, turns, self.weight * curve, diagonal, beside
+
+    def free_stretches(self, alpha: Array) -> Array:
+        """Stretches of free bonds by their angles to the leg's line."""
+        found: Array = self.rows.stretches(self.held_pa * np.cos(alpha)[None, :])[0]
+        return found
 
     def derivatives(self, at: Array, count: int) -> tuple[Array, Array]:
         """Gradient, and the pentadiagonal Hessian as blocks of :func:`beadband.statics.chain.solve_blocks`."""
         gradient, turns, stiff, diagonal, first = self._gradient(at, count)
         second = np.zeros(len(at))  # each with the unknown two before
-        diagonal += stiff * turns[0] ** 2
+        diagonal, first = diagonal + stiff * turns[0] ** 2, first + stiff * turns[0] * turns[1]
         diagonal[:-1] += (stiff * turns[1] ** 2)[1:]
         diagonal[:-2] += (stiff * turns[2] ** 2)[2:]
-        first += stiff * turns[0] * turns[1]
         first[1:-1] += (stiff * turns[1] * turns[2])[2:]
         second += stiff * turns[0] * turns[2]
         size = len(at) + len(at) % 2
@@ -172,7 +202,7 @@ class _Shape:
     def leg(self, at: Array, count: int) -> Leg:
         """The leg of the unknowns, its tip at the origin."""
         a, alpha = self.request.strand.spacing_m, at[count - 1 :]
-        stretch = self.rows.stretches(self.held_pa * np.cos(alpha)[None, :])[0]
+        stretch = self.free_stretches(alpha)
         free = laid_out(a, alpha, stretch, self.phi, self.request.tension_n, self.imbalance(at, count))
         if count == 1:
             return free

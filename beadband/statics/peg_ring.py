@@ -40,7 +40,7 @@ def peg_ring(strand: Strand, beads: int, strain: float, half_angle_rad: float, p
     outward = points[1:on_peg] - (points[0] + np.array([peg.radius_m, 0.0]))
     along = (loads[1:on_peg, 1] * outward[:, 0] - loads[1:on_peg, 0] * outward[:, 1]) / peg.radius_m
     free = loads[on_peg:first]
-    net_force = max(float(np.hypot(free[:, 0], free[:, 1]).max()), *np.abs(along).tolist())
+    net_force = max(float(np.hypot(free[:, 0], free[:, 1]).max()), float(np.abs(along).max(initial=0.0)))
     if not net_force <= BOUND:
         raise UsageError(
             explain(
