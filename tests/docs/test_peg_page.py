@@ -17,7 +17,7 @@ PAGE = (DOCS / "peg.md").read_text(encoding="utf-8")
 @pytest.mark.parametrize("band", ["I", "II", "III", "IV"])
 def test_the_catalogue_is_that_of_runs(band: str) -> None:
     """Exact columns to their last digit, speeds within both bars."""
-    (line,) = re.findall(rf"^\| {band} \| (.*) \|$", PAGE, re.MULTILINE)
+    line = re.findall(rf"^\| {band} \| (.*) \|$", PAGE, re.MULTILINE)[0]
     own, radius, sharp, blunt, *speeds, _ = line.split(" | ")
     scenes = [scene_of({"band": band, "tip_radius_m": r, "tolerance": 2e-3}) for r in (0.0, 5e-3)]
     point = scenes[0]
