@@ -170,6 +170,8 @@ SENTENCES: dict[str, str] = {
     "no-arrival": "the rear did not reach the finger within {value:.4g} s: there is no pause to report",
     "hit-while-loaded": "the rear reached the finger before the finger had been free of load for {value:.3g} s: there "
     "is no pause, the hand is hit",
+    "hand-hit": "the rear hits the hand at {value:.2f} m/s, after {time_s:.4g} s and {way_mm:.3g} mm of its way",
+    "hand-not-hit": "the rear did not hit the hand within {limit:g} times its arrival at a fixed finger",
     "finger-not-cleared": "the finger was never free of load and was not taken away: the flight is left out",
     "touched-again": "the band touched the free finger again, {count} time(s) from {start_s:.4g} s on, and {way} "
     "{value:2p} of its momentum",
@@ -201,6 +203,8 @@ SENTENCES: dict[str, str] = {
     "too-deep": "beads sink into the finger by {value:2p} of the thickness, allowed {limit:2p}: lower --timestep for "
     "a stiffer finger",
     "momentum-unbalanced": "momentum and impulse of the finger differ by {value:.2g} of the momentum, allowed "
+    "{limit:.2g}",
+    "hand-unbalanced": "momentum and impulses of the hand differ by {value:.2g} of the band's momentum, allowed "
     "{limit:.2g}",
     # Likely causes of a divergence
     "step-beyond-limit": "a time step beyond the limit of stability (it is {value:.3g} of the predicted one)",

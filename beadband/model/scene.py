@@ -21,6 +21,8 @@ from beadband.model.bands import (
     read_bands,
 )
 from beadband.model.calibration import Strand
+from beadband.model.hand import KEYS as HAND
+from beadband.model.hand import Hand, hand_of
 from beadband.model.laws import LAWS, Law, Linear, Softened, law_of
 from beadband.model.wedge import StringLimit, Wedge, published_ratio, string_limit, wave_speeds, wedge_of
 from beadband.parameters import AUTO, PLANNED, TABLE, UNUSED, checked, uncertain
@@ -55,6 +57,11 @@ class Scene:
     """Of a launch whose finger clears: time that the band flies on after its rear has come to the finger's place."""
     tip_radius_m: float = 0.0
     """Radius of the peg that holds the tip, to the middle of the band; 0 for a point."""
+    hand_mass_kg: float | None = None
+    hand_stiffness_n_m: float | None = None
+    hand_damping_n_s_m: float | None = None
+    hand_preload_n: float | None = None
+    hand_velocity_m_s: float | None = None
     beads: int | None = None
     timestep_s: float | None = None
     loss_time_s: float | None = None
@@ -99,6 +106,11 @@ class Scene:
     def bending_diffusivity_m2_s(self) -> float:
         """a_b = sqrt(EI/(density A)); the same for any number of beads."""
         return self.strand(1).bending_diffusivity_m2_s
+
+    @cached_property
+    def hand(self) -> Hand | None:
+        """Of a launch: the finger that moves; None where it stays."""
+        return hand_of({key: getattr(self, key) for key in HAND})
 
     @cached_property
     def wedge(self) -> Wedge:
@@ -209,6 +221,7 @@ class Scene:
         }
         if self.until == "launch":
             values.update({"finger": self.finger, "flight_s": self.flight_s})
+            values.update({key: getattr(self, key) for key in HAND})
         values |= self.band.properties() | self.material.values()
         return {key: value for key, value in values.items() if value is not None}
 
@@ -226,9 +239,10 @@ def _size(key: str, values: Mapping[str, Any]) -> str:
 
 
 _PLAIN = (
-    "strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale", "tip_radius_m", "finger",
-    "flight_s",
-)  # fmt: skip
+    *("strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale", "tip_radius_m"),
+    *("finger", "flight_s"),
+    *HAND,
+)
 """Parameters that are fields of a scene under the same name."""
 MOST_ON_PEG = 0.3
 """Share of the reference leg that may lie on a peg: beyond, its end feels the finger before the speed is measured."""
@@ -266,6 +280,7 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
         rest |= {"tolerance": TABLE["tolerance"].default, "auto_tolerance": True}
     scene = Scene(band=band, material=material, planned=planned, purpose=full["for"], **rest)
     _refuse_unused(scene, given)
+    hand_of(given)
     _refuse_without_answer(scene)
     if scene.samples and not (errors or covariance or full["inputs"] == "as-printed"):
         allowed = "inputs with errors, as in --thickness '2.0e-3 +/- 5e-5', or --inputs as-printed"
