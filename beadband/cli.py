@@ -146,6 +146,11 @@ def build_parser() -> argparse.ArgumentParser:
     sweep.add_argument(
         "--random", metavar="N", type=int, help="draw N scenes from the ranges instead of the whole grid"
     )
+    sweep.add_argument(
+        "--sample",
+        metavar="KIND",
+        help="how they are drawn: random, latin-hypercube or sobol (with --random; default: random)",
+    )
     sweep.add_argument("--seed", metavar="S", type=int, help="seed of the draws (with --random; default: 0)")
     launch_map = command("launch-map", "pause and efficiency of launches over strain and half-angle")
     launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")

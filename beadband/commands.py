@@ -247,7 +247,7 @@ def sweep(arguments: Namespace) -> int:
     from beadband.studies.sweep.grid import grid_of, read_grid
 
     values = read_grid(arguments.grid) if arguments.grid is not None else {}
-    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed)
+    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed, arguments.sample)
     out = arguments.out if arguments.out is not None else "sweep"
     with _bar("scene") as follow:
         done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any
@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from beadband.errors import UsageError, explain
 from beadband.lammps.engine import Session, kept_session
-from beadband.model.formula import VARIED, formula, shares_law
+from beadband.model.formula import STATED, VARIED, formula, shares_law, varies_together
 from beadband.model.laws import LAWS
 from beadband.model.scene import Scene, scene_of
-from beadband.parameters import TABLE, checked
+from beadband.parameters import TABLE, Parameter, checked
 from beadband.planning.ladder import MOST_SECONDS
 from beadband.runs.ask import UNITS, Answer, answer_by_formula, ask, question_of
 
@@ -44,19 +44,24 @@ class Answers:
 
 
 def arrays_among(values: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
-    """Those values of a scene, by their keys, that stand for many scenes."""
+    """Those values of a scene, by their keys, that stand for many scenes.
+
+    Lists do, but for constants that a law may have several of: there only numpy arrays do.
+    """
     return {
         key: np.asarray(value)
         for key, value in values.items()
-        if isinstance(value, (list, tuple, np.ndarray)) and key in TABLE and TABLE[key].kind != "numbers"
+        if key in TABLE
+        and (isinstance(value, np.ndarray) or (isinstance(value, (list, tuple)) and TABLE[key].kind != "numbers"))
     }
 
 
 def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Session | None = None) -> Answers:
     """Answers for the scenes that values with arrays among them make, in the order of the arrays.
 
-    Sizes, strains, angles and densities may vary within one evaluation of the formula; for every other value with
-    several entries the scenes are taken one kind after another. What the formula does not reach is run, scene by scene.
+    Sizes, strains, angles and densities may vary within one evaluation of the formula, and so may the constants of a
+    law that softens; for every other value with several entries the scenes are taken one kind after another. What the
+    formula does not reach is run, scene by scene.
     UsageError as :func:`beadband.runs.ask.ask`, for the first scene that has no answer.
     """
     start = time.perf_counter()
@@ -70,17 +75,25 @@ def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Sessio
     value, error = np.zeros(size), np.full(size, np.inf)
     model, runs, beads = np.full(size, "formula"), np.zeros(size, dtype=np.int64), np.zeros(size, dtype=np.int64)
     within = np.ones(size, dtype=bool)
-    others = {key: one for key, one in flat.items() if key not in (*VARIED, "tolerance")}
-    for chosen in _kinds(others, size):
-        first = chosen[0]
-        own = {**plain, **{key: one[first].item() for key, one in flat.items()}}
+    constants = [key for key in flat if key == STATED or (TABLE[key].section == "law" and TABLE[key].kind in ("number", "numbers"))]
+    kinds = _kinds([one for key, one in flat.items() if key not in (*VARIED, *constants, "tolerance")], size)
+    while kinds:
+        chosen = kinds.pop(0)
+        own = {**plain, **{key: one[chosen[0]].item() for key, one in flat.items()}}
         scene = scene_of(own)
         if not _by_formula(scene):
             continue
-        varied = {key: _checked(key, one[chosen]) for key, one in flat.items() if key in VARIED}
+        ranges = {**TABLE, **{one.key: one for one in scene.material.constants()}}
+        varied = {key: _checked(ranges[key], flat[key][chosen]) for key in (*VARIED, *constants) if key in flat}
+        if not varies_together(scene, varied):
+            parts = _kinds([flat[key][chosen] for key in constants], len(chosen))
+            if len(parts) > 1:
+                kinds[:0] = [chosen[part] for part in parts]
+                continue
+            varied = {key: one for key, one in varied.items() if key in VARIED}
         found = formula(scene, quantity, varied)
         value[chosen], error[chosen] = found.value, found.error
-    tolerance = _checked("tolerance", flat["tolerance"]) if "tolerance" in flat else scene.tolerance
+    tolerance = _checked(TABLE["tolerance"], flat["tolerance"]) if "tolerance" in flat else scene.tolerance
     left = np.flatnonzero(error > tolerance * np.abs(value))
     if len(left):
         with kept_session() if session is None else nullcontext(session) as shared:
@@ -106,25 +119,24 @@ def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Sessio
     )
 
 
-def _kinds(others: Mapping[str, NDArray[Any]], size: int) -> list[NDArray[np.int64]]:
+def _kinds(others: Sequence[NDArray[Any]], size: int) -> list[NDArray[np.int64]]:
     """Places of the scenes that share the values of ``others``, one array for each kind."""
     if not others:
         return [np.arange(size)]
-    codes = np.stack([np.unique(one, return_inverse=True)[1] for one in others.values()])
+    codes = np.stack([np.unique(one, return_inverse=True)[1] for one in others])
     kind = np.unique(codes, axis=1, return_inverse=True)[1].ravel()
     return [np.flatnonzero(kind == number) for number in range(int(kind.max()) + 1)]
 
 
-def _checked(key: str, values: NDArray[Any]) -> Array:
+def _checked(one: Parameter, values: NDArray[Any]) -> Array:
     """Numbers of a parameter, each in its range; UsageError for the first that is not."""
     if values.dtype.kind not in "fiu":
-        checked(key, values[0].item())
+        checked(one.key, values[0].item(), one)
     numbers = values.astype(np.float64)
     least, most = float(numbers.min()), float(numbers.max())
-    one = TABLE[key]
     if not (one.holds(least) and one.holds(most)):
         wrong = next(each for each in numbers.tolist() if not one.holds(each))
-        checked(key, wrong)
+        checked(one.key, wrong, one)
     return numbers
 
 
