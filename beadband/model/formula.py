@@ -103,7 +103,7 @@ def scenes_of(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, A
     leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
     thickness = given["thickness_m"]
     # A law that softens, as those of arrays do, carries more and more up to where its tangent is gone.
-    peaked = law.tangent(held) <= 0.0 if arrays_of(law) else held >= _longest_held(scene)
+    peaked = law.tangent(held) <= 0.0 if arrays_of(law) else held >= longest_held(scene.material)
     refused = (held * np.sin(phi) >= 1.0) | peaked
     if scene.bending_scale > 0.0:
         refused |= (leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg / held <= thickness)
@@ -118,14 +118,10 @@ def scenes_of(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, A
 
 
 @lru_cache(maxsize=256)
-def _limits_of(law: Any) -> float:
+def longest_held(law: Law) -> float:
+    """Stretch from which on a law can't be held: its tension peaks or it ends; infinite without."""
     peak, longest = law.peak_stretch(), law.longest_stretch()
     return min(math.inf if peak is None else peak, math.inf if longest is None else longest)
-
-
-def _longest_held(scene: Scene) -> float:
-    """Stretch from which on the law of a scene can't be held."""
-    return float(_limits_of(scene.material))
 
 
 def section_of(scene: Scene, given: Mapping[str, Array]) -> Any:

@@ -39,4 +39,5 @@ def unit_points(kind: str, count: int, inputs: int, seed: int) -> Array:
         warnings.simplefilter("ignore", UserWarning)
         points = engine.random(count)
     # Rounding may make a one of what is just below it.
-    return np.minimum(points, np.nextafter(1.0, 0.0))
+    below: Array = np.minimum(points, np.nextafter(1.0, 0.0))
+    return below
