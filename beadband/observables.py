@@ -222,7 +222,7 @@ _TABLE: list[Observable] = [
             "N s", null=True),
     _figure("throw_speed_m_s", "speed of its centre of mass in that limit", "m/s", null=True),
     _figure("throw_efficiency", "energy of that translation over the stored energy", null=True),
-    _figure("peak_strain", "strain from which on the band can't be held, its tension peaking or its law ending; else null",
+    _figure("peak_strain", "strain from which on the band can't be held, as its tension peaks or its law ends; or null",
             null=True),
     _ring("energy.stored_j", "energy of the held band", "J", label="energy"),
     _ring("energy.hysteresis_j", "energy lost in the rubber between loading and unloading; not part of stored_j", "J",
