@@ -22,6 +22,7 @@ from beadband.analysis.fits import Measured, path_slope
 from beadband.analysis.rear import Rear
 from beadband.analysis.ring import RingFrames
 from beadband.model.scales import LATE_WINDOW
+from beadband.model.figures import figures_of_scene
 from beadband.model.scene import Scene
 from beadband.notices import Notice, distinct_digits, notice
 from beadband.planning.plan import Plan
@@ -125,6 +126,11 @@ class RearRun:
     @property
     def scene(self) -> Scene:
         return self.plan.scene
+
+    @cached_property
+    def design(self) -> dict[str, float | None]:
+        """What a designer asks of the held band, and of its throw without bending, by the keys of the observables."""
+        return figures_of_scene(self.scene)
 
     @property
     def rear(self) -> Rear:
