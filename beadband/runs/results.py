@@ -21,8 +21,8 @@ from beadband.analysis.energy import Balance
 from beadband.analysis.fits import Measured, path_slope
 from beadband.analysis.rear import Rear
 from beadband.analysis.ring import RingFrames
-from beadband.model.scales import LATE_WINDOW
 from beadband.model.figures import figures_of_scene
+from beadband.model.scales import LATE_WINDOW
 from beadband.model.scene import Scene
 from beadband.notices import Notice, distinct_digits, notice
 from beadband.planning.plan import Plan
