@@ -15,13 +15,17 @@ from beadband.errors import UsageError, explain
 from beadband.model import correction
 from beadband.model.scales import FORGOTTEN_AFTER, WINDOW_BEFORE
 from beadband.model.scene import Scene
-from beadband.model.string_arrays import string_limits
+from beadband.model.string_arrays import string_limits, strip_speeds
 from beadband.model.validity import check_validity
 
 Array = NDArray[np.float64]
 
 VARIED = ("strain", "half_angle_deg", "circumference_m", "thickness_m", "width_m", "density_kg_m3")
 """Inputs that may be arrays: with one law they make scenes that share all else."""
+
+
+_EXACT = 1e-9
+"""Relative error of an exact solution: of the search for its envelope, and of the integral over a fan."""
 
 
 class Formula(NamedTuple):
@@ -35,10 +39,13 @@ class Formula(NamedTuple):
 def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None) -> Formula:
     """Answers for a scene, or for copies of it with other values of :data:`VARIED` (floats or arrays that broadcast).
 
-    "speed" is V in m/s, "curvature" the mean tip curvature in its window over that of Eq. 7. UsageError where one of
-    the scenes has no answer.
+    "speed" is V in m/s, "curvature" the mean tip curvature in its window over that of Eq. 7. A strip has no bending:
+    its formula is exact. UsageError where one of the scenes has no answer.
     """
     given = _arrays(scene, varied or {})
+    if scene.is_strip:
+        exact = strip_speeds(scene.material, given["density_kg_m3"], given["strain"])
+        return Formula(exact, (_EXACT if quantity == "speed" else math.inf) * exact)
     numbers, speed = _numbers(scene, given)
     shape = speed.shape
     found = (correction.speed_correction if quantity == "speed" else correction.curvature_correction)(numbers)

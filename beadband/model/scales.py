@@ -64,7 +64,8 @@ class Scales:
     kink_way_m: float
     """Length that a kink has passed by then, half of the rear segment: l0 strain sin/(1 - sin) behind a sharp front."""
     rear_length_m: float
-    """Length of what the beads at the rear must resolve: the kink's way and five times the bending spread."""
+    """Length of what the beads at the rear must resolve: the kink's way and five times the bending spread; of a strip,
+    which has neither, all of it."""
     tip_sharpness: float
     """Curvature times half thickness at the point-held tip, from the elastica: 2 sin((pi/2 - phi)/2)/l h/2."""
     rear_arrival_share: float
@@ -90,7 +91,7 @@ def scales_of(scene: Scene) -> Scales:
         front_arrival_s=arrival,
         bending_spread_m=spread,
         kink_way_m=kink_way,
-        rear_length_m=kink_way + BENDING_SPREAD * spread,
+        rear_length_m=wedge.reference_leg_m if scene.is_strip else kink_way + BENDING_SPREAD * spread,
         tip_sharpness=math.sin((math.pi / 2.0 - phi) / 2.0) * scene.band.thickness_m / layer
         if layer > 0.0
         else math.inf,

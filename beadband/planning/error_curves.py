@@ -38,7 +38,7 @@ _STEP_S = 10e-6
 _BEAD_STEP_S = 0.17e-6
 _FRAME_NUMBER_S = 0.6e-6
 _COLUMNS = 11
-_SETUP_S = {"leg": 0.004, "ring": 0.05}
+_SETUP_S = {"leg": 0.004, "ring": 0.05, "strip": 0.05}
 """Seconds on one core of a machine of 2024: of a step, a bead and step, a number written, and of beginning."""
 
 
@@ -53,6 +53,16 @@ def leg_speed_error(beads_in_rear: float, beads_in_leg: float, coarseness: float
     error = 0.12 / smooth + coarseness * 0.010 * math.pow(22.0 / beads_in_rear, 4.2)
     # With fewer than a dozen beads errors no longer follow the curve; they grow less steeply.
     return min(error, _FEW_ERROR * math.pow(max(1.0, LEAST_RESOLUTION / beads_in_rear), 2.0))
+
+
+def strip_speed_error(beads: float) -> float:
+    """The same of the recoil speed of a strip of so many bonds (tests/validation/strip.py)."""
+    return 0.12 / beads
+
+
+def front_error(bonds: float) -> float:
+    """The same of speed and arrival of the front of a strip, beside the difference to a coarse run."""
+    return 0.1 / bonds
 
 
 def speed_error(scene: Scene, spacing_m: float, model: str) -> float:
@@ -72,6 +82,8 @@ def _speed_error(rear_m: float, leg_m: float, sharp_m: float, spacing_m: float, 
 
     It is a little worse everywhere, and much where neither the bending layer nor the way of the kink spans some beads.
     """
+    if model == "strip":
+        return strip_speed_error(leg_m / spacing_m)
     if model == "leg":
         return leg_speed_error(rear_m / spacing_m, leg_m / spacing_m)
     sharp = 0.015 * math.pow(7.0 * spacing_m / sharp_m, 3.0)

@@ -14,6 +14,7 @@ from beadband.model.beam import at_rest_curvature, eq7_curvature
 from beadband.model.scales import SPEED_WINDOW
 from beadband.reporting.style import SCREEN, Style
 from beadband.reporting.summary import title_of
+from beadband.statics.ring import Ring
 
 if TYPE_CHECKING:
     from beadband.runs.results import Run
@@ -68,11 +69,12 @@ def shapes(axes: Any, run: Run, ring: Trajectory) -> None:
     from matplotlib import colormaps
     from matplotlib.patches import Circle
 
+    assert isinstance(run.held, Ring)
     times = ring.times_s(run.plan.timestep_s)
     chosen = np.unique(np.linspace(0, len(times) - 1, _SNAPSHOTS).round().astype(int))
     shades = colormaps["viridis_r"](np.linspace(0.15, 1.0, len(chosen)))
     centre = (run.held.finger_centre_m * 1e3, 0.0)
-    axes.add_patch(Circle(centre, run.held_radius_m * 1e3, color="#e4e0da", label="finger"))
+    axes.add_patch(Circle(centre, run.held.finger_radius_m * 1e3, color="#e4e0da", label="finger"))
     for frame, shade in zip(chosen, shades, strict=True):
         points = ring.positions_m[frame] * 1e3
         closed = np.concatenate([points, points[:1]])
