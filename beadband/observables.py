@@ -314,9 +314,9 @@ def forget(key: str) -> None:
     _TABLE[:] = [one for one in _TABLE if one.key != key]
 
 
-def table(level: str = "launch") -> tuple[Observable, ...]:
-    """The observables of a result of this level, in the order of the documents."""
-    return tuple(one for one in _TABLE if one.level in LEVELS[level])
+def table(level: str | None = None) -> tuple[Observable, ...]:
+    """The observables of a result of this level, or all."""
+    return tuple(one for one in _TABLE if level is None or one.level in LEVELS[level])
 
 
 def as_dict(result: Any) -> dict[str, Any]:

@@ -32,6 +32,9 @@ _SHARE_OF_LEG = 0.7
 _RING_COARSENESS = 1.6
 _LAYER_WEIGHT = 10.0
 
+_SEVERAL_PARTS, _ONE_PART, _SECOND_ORDER = 0.22, 0.1, 2.45
+"""Of a strip: errors times bonds behind a wave of several parts and of one, and the root of those times bonds^2."""
+
 _FIT_ERROR = 0.012
 
 _STEP_S = 10e-6
@@ -55,9 +58,12 @@ def leg_speed_error(beads_in_rear: float, beads_in_leg: float, coarseness: float
     return min(error, _FEW_ERROR * math.pow(max(1.0, LEAST_RESOLUTION / beads_in_rear), 2.0))
 
 
-def strip_speed_error(beads: float) -> float:
-    """The same of the recoil speed of a strip of so many bonds (tests/validation/strip.py)."""
-    return 0.12 / beads
+def strip_speed_error(bonds: float, parts: int) -> float:
+    """The same of the recoil speed of a strip of so many bonds (tests/validation/strip.py).
+
+    Behind a wave of one part it is of the second order; the corners between shock and fan leave one of the first.
+    """
+    return _SEVERAL_PARTS / bonds if parts > 1 else min(_ONE_PART / bonds, (_SECOND_ORDER / bonds) ** 2)
 
 
 def front_error(bonds: float) -> float:
@@ -67,6 +73,8 @@ def front_error(bonds: float) -> float:
 
 def speed_error(scene: Scene, spacing_m: float, model: str) -> float:
     """Relative error of the rebound speed that 95 % of the scenes stay below, for beads of this spacing."""
+    if model == "strip":
+        return strip_speed_error(scene.wedge.reference_leg_m / spacing_m, len(scene.string.wave.parts))
     return _speed_error(*_lengths_m(scene), spacing_m, model)
 
 
@@ -82,8 +90,6 @@ def _speed_error(rear_m: float, leg_m: float, sharp_m: float, spacing_m: float, 
 
     It is a little worse everywhere, and much where neither the bending layer nor the way of the kink spans some beads.
     """
-    if model == "strip":
-        return strip_speed_error(leg_m / spacing_m)
     if model == "leg":
         return leg_speed_error(rear_m / spacing_m, leg_m / spacing_m)
     sharp = 0.015 * math.pow(7.0 * spacing_m / sharp_m, 3.0)
@@ -93,6 +99,9 @@ def _speed_error(rear_m: float, leg_m: float, sharp_m: float, spacing_m: float, 
 def beads_for(scene: Scene, model: str) -> float:
     """Beads of the whole ring for which :func:`speed_error` is the scene's tolerance (not rounded)."""
     length, tolerance = scene.band.circumference_m, scene.tolerance
+    if model == "strip":
+        parts, share = len(scene.string.wave.parts), SHARE_OF_TOLERANCE * tolerance
+        return _SEVERAL_PARTS / share if parts > 1 else min(_ONE_PART / share, _SECOND_ORDER / math.sqrt(share))
     rear, leg, sharp = _lengths_m(scene)
     least = LEAST_RESOLUTION * length / rear
 
