@@ -75,7 +75,7 @@ def test_momentum_is_the_impulse_of_the_held_end(kind: str) -> None:
 def test_energy_is_balanced_and_goes_where_the_exact_wave_says(kind: str) -> None:
     """Behind the wave there is motion alone; what is lost exceeds the shocks' loss by what the beads need."""
     run = released(kind)
-    assert run.energy.error < min(2.5e-3, run.checks["energy_balance"].limit)
+    assert run.energy.error < min(4e-3, run.checks["energy_balance"].limit)
     wave = run.plan.string.wave
     share = sum(part.loss_j_m3 * part.front_speed_m_s for part in wave.parts) / wave.front_speed_m_s
     volume = run.scene.band.area_m2 * run.scene.wedge.reference_leg_m

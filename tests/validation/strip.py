@@ -2,8 +2,9 @@
 
     python tests/validation/strip.py [planned|orders|bars [SCENES]]
 
-``planned`` runs the laws of docs/strip.md as they are planned; ``orders`` refines them with and without loss; ``bars``
-releases random strips with 24 to 800 bonds, and counts which of their errors lie within the stated ones.
+``planned`` runs the laws of docs/strip.md as they are planned; ``orders`` refines them with the losses of docs/loss.md
+and without; ``bars`` releases random strips with 24 to 800 bonds, and counts which of their errors lie within the
+stated ones.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from beadband import api
 from beadband.analysis.convergence import observed_order
 from beadband.errors import RunError, UsageError
 from beadband.model.scene import scene_of
+from beadband.planning.plan import LOSS_BEADS, SMOOTH_RESOLUTION, plan_of
 from beadband.runs.strip_results import StripRun
 
 LAWS: dict[str, dict[str, Any]] = {
@@ -84,27 +86,34 @@ def planned() -> None:
             )
 
 
+def loss_time_s(values: dict[str, Any], beads: int, order: str) -> float:
+    """A loss that falls as the spacing does ("first"), beside it once more ("second"), or "none"."""
+    plan = plan_of(scene_of({"shape": "strip", **values, "beads": beads}))
+    band, wave = plan.scene.band, plan.string.wave
+    share = {"first": 1.0, "second": min(1.0, SMOOTH_RESOLUTION / beads), "none": 0.0}[order]
+    return LOSS_BEADS * share * plan.strand.spacing_m * band.density_kg_m3 * wave.tail_speed_m_s / band.modulus_pa
+
+
 def orders() -> None:
-    """Errors over the bonds: with the planned loss, and, under ``--loss-time 0``, without."""
+    """Errors over the bonds with a loss of the first and of the second order, and without."""
+    spacing = 1.0 / np.array(LEVELS[::-1], dtype=np.float64)
     for name, values in LAWS.items():
-        for loss in ("planned", "none"):
-            own = {} if loss == "planned" else {"loss_time_s": 0.0}
+        for loss in ("first", "second", "none"):
             try:
-                found = np.array([errors(released(**values, **own, beads=beads)) for beads in LEVELS])
+                found = np.array(
+                    [
+                        errors(released(**values, loss_time_s=loss_time_s(values, beads, loss), beads=beads))
+                        for beads in LEVELS
+                    ]
+                )
             except RunError as error:
                 print(f"{name}, loss {loss}: {str(error)[:90]}")
                 continue
-            spacing = 1.0 / np.array(LEVELS[::-1], dtype=np.float64)
             print(f"{name}, loss {loss}:")
             for what, column in zip(("recoil", "front", "arrival"), found.T, strict=True):
-                slope = float(np.polyfit(np.log(spacing[:4]), np.log(np.abs(column[::-1][:4])), 1)[0])
                 order = observed_order(spacing, column[::-1])
-                shown = "none" if order is None else f"{order:.1f}"
-                print(
-                    f"  {what:8s} "
-                    + " ".join(f"{100.0 * one:+.5f}" for one in column)
-                    + f"  slope {slope:.1f}, {shown}"
-                )
+                listed = " ".join(f"{100.0 * one:+.5f}" for one in column)
+                print(f"  {what:8s} {listed}  order {'none' if order is None else f'{order:.1f}'}")
 
 
 def scenes(count: int) -> Iterator[dict[str, Any]]:
