@@ -21,12 +21,6 @@ class Front(NamedTuple):
     """When its path, carried on, reaches the end of the strip."""
 
 
-def strip_stretch(positions_m: Array, spacing_m: float) -> Array:
-    """Stretch of each bond of an open chain, shape (frames, beads - 1), of positions (frames, beads, 2)."""
-    bonds = np.diff(positions_m, axis=1)
-    return np.asarray(np.hypot(bonds[..., 0], bonds[..., 1]) / spacing_m, dtype=np.float64)
-
-
 def crossings(stretch: Array, level: float, spacing_m: float) -> Array:
     """Where the stretch last rises through a level, m in reference length, shape (frames,); NaN where it does not.
 

@@ -17,7 +17,6 @@ from beadband.analysis.curvature import bond_stretch, ring_curvature
 from beadband.analysis.energy import Balance
 from beadband.analysis.fits import Array, Measured
 from beadband.analysis.readers import ReadError
-from beadband.analysis.strip import strip_stretch
 from beadband.errors import UsageError, explain
 from beadband.model.beam import at_rest_curvature, eq7_curvature
 from beadband.model.scales import SPEED_WINDOW
@@ -174,7 +173,7 @@ def tell(
         headline=_headline(results),
         times_s=times_s,
         positions_m=positions_m,
-        stretch=_open_stretch(positions_m, spacing) if strip else bond_stretch(positions_m, spacing),
+        stretch=_stretch(positions_m, spacing, strip is None),
         curvature_1_m=np.zeros(positions_m.shape[:2]) if strip else ring_curvature(positions_m, spacing),
         thickness_m=scene["thickness_m"],
         finger=Finger(held["finger_centre_m"] or 0.0, held["finger_radius_m"] or 0.0, free),
@@ -198,9 +197,9 @@ def tell(
     )
 
 
-def _open_stretch(positions_m: Array, spacing_m: float) -> Array:
-    found = strip_stretch(positions_m, spacing_m)
-    return np.concatenate([found, found[:, -1:]], axis=1)
+def _stretch(positions_m: Array, spacing_m: float, closed: bool) -> Array:
+    found = bond_stretch(positions_m, spacing_m, closed)
+    return found if closed else np.concatenate([found, found[:, -1:]], axis=1)
 
 
 def _array(values: Sequence[float]) -> Array:

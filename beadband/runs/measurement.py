@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from beadband.analysis.curvature import Decay, decay
+from beadband.analysis.curvature import Decay, bond_stretch, decay
 from beadband.analysis.fits import Array, Measured, path_slope, slope
 from beadband.analysis.readers import Pull, ReadError, Trajectory, read, read_pull
 from beadband.analysis.rear import Rear, rear_of
-from beadband.analysis.strip import Front, crossings, impulse, strip_stretch
+from beadband.analysis.strip import Front, crossings, impulse
 from beadband.analysis.strip import front as front_of
 from beadband.errors import BeadbandError, RunError, UsageError, explain
 from beadband.model.beam import eq7_curvature
@@ -71,7 +71,8 @@ def _measured_strip(plan: Plan, frames: Trajectory, pull: Pull) -> StripFound:
     frames.require_steps(plan.steps)
     pull.require_steps(plan.steps)
     times, spacing = frames.times_s(plan.timestep_s), plan.strand.spacing_m
-    path = crossings(strip_stretch(frames.positions_m, spacing), front_level(plan.scene), spacing)
+    stretch = bond_stretch(frames.positions_m, spacing, closed=False)
+    path = crossings(stretch, front_level(plan.scene), spacing)
     window = (share * plan.front_arrival_s for share in SPEED_WINDOW)
     found, reason = None, None
     try:

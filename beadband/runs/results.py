@@ -270,8 +270,8 @@ class Run(RearRun):
     @cached_property
     def ring(self) -> RingFrames:
         """The whole ring over time: ``times_s``, ``positions_m``, ``stretch`` and ``curvature_1_m`` as arrays."""
-        spacing = self.scene.band.circumference_m / self.plan.beads
-        return RingFrames(self.folder / files.TRAJECTORY, self.plan.timestep_s, spacing)
+        spacing, closed = self.scene.band.circumference_m / self.plan.beads, not self.scene.is_strip
+        return RingFrames(self.folder / files.TRAJECTORY, self.plan.timestep_s, spacing, closed)
 
     @property
     def checks(self) -> dict[str, Check]:

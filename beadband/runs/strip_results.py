@@ -8,34 +8,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from beadband.analysis.fits import Array, Measured
-from beadband.analysis.readers import Trajectory
-from beadband.analysis.strip import strip_stretch
+from beadband.analysis.convergence import LEAST_ORDER
+from beadband.analysis.fits import Measured
+from beadband.analysis.ring import RingFrames
 from beadband.model import strip
 from beadband.planning import error_curves
 from beadband.runs.checks import Check, momentum_limit
 from beadband.runs.measurement import StripFound
 from beadband.runs.results import Estimate, Run, level_error
-
-FRONT_ORDER, FAN_ORDER = 0.75, 0.5
-"""Least orders with which speed and arrival of the front converge: of a wave of one part, and of several, where a
-viscous corner is as wide as the root of the spacing (tests/validation/strip.py)."""
-
-
-@dataclass(frozen=True)
-class StripFrames:
-    """The whole strip over time; frames but the first are averages over the interval before them."""
-
-    trajectory: Trajectory
-    times_s: Array
-    """Shape (frames,)."""
-    stretch: Array
-    """Of each bond, from the released end on, shape (frames, bonds)."""
-
-    @property
-    def positions_m(self) -> Array:
-        """Positions of the beads, shape (frames, bonds + 1, 2)."""
-        return self.trajectory.positions_m
 
 
 @dataclass(frozen=True, repr=False)
@@ -50,14 +30,10 @@ class StripRun(Run):
         assert self.measurement.strip is not None
         return self.measurement.strip
 
-    @cached_property
-    def frames(self) -> StripFrames:
-        """The whole strip over time, as arrays."""
-        trajectory = self.ring.trajectory
-        spacing = self.plan.strand.spacing_m
-        return StripFrames(
-            trajectory, trajectory.times_s(self.plan.timestep_s), strip_stretch(trajectory.positions_m, spacing)
-        )
+    @property
+    def frames(self) -> RingFrames:
+        """The whole strip over time: ``times_s``, ``positions_m`` and ``stretch``, from the released end on."""
+        return self.ring
 
     @property
     def exact_front_speed_m_s(self) -> float:
@@ -85,8 +61,8 @@ class StripRun(Run):
         value = getattr(self.estimate, name) if isinstance(self.estimate, Estimate) else None
         coarse = (self.estimate.beads, value) if isinstance(self.estimate, Estimate) and value is not None else None
         floor = float(np.hypot(fit.error, error_curves.front_error(self.plan.beads) * fit.value))
-        order = FRONT_ORDER if len(self.plan.string.wave.parts) == 1 else FAN_ORDER
-        return Measured(fit.value, level_error(self.plan.beads, fit.value, coarse, order, floor))
+        # The corners of a fan, and a front without loss, sharpen with the root of the spacing alone.
+        return Measured(fit.value, level_error(self.plan.beads, fit.value, coarse, LEAST_ORDER, floor))
 
     @property
     def momentum_n_s(self) -> float:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from beadband.analysis.curvature import bond_stretch
 from beadband.analysis.readers import Pull
-from beadband.analysis.strip import crossings, front, impulse, strip_stretch
+from beadband.analysis.strip import crossings, front, impulse
 
 TIMES = np.linspace(0.0, 8e-3, 61)
 
@@ -56,4 +57,4 @@ def test_impulse_is_that_of_velocity_verlet() -> None:
 def test_stretch_of_an_open_chain() -> None:
     points = np.zeros((1, 4, 2))
     points[0, :, 0] = [0.0, 1.0, 3.0, 6.0]
-    assert strip_stretch(points, 2.0)[0].tolist() == [0.5, 1.0, 1.5]
+    assert bond_stretch(points, 2.0, closed=False)[0].tolist() == [0.5, 1.0, 1.5]
