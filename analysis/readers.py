@@ -267,6 +267,9 @@ def read_hand(path: str | os.PathLike[str]) -> HandPath:
     """Read hand.dat; ReadError when it is missing or cut short."""
     steps, *columns = _columns(path, len(fields(HandPath)), 3)
     return HandPath(steps.astype(np.int64), *(np.ascontiguousarray(column) for column in columns))
+
+
+@dataclass(frozen=True)
 class Pull:
     """Lines of held.dat, arrays of shape (lines,), the first at the release; SI units."""
 

@@ -192,8 +192,8 @@ TABLE: dict[str, Parameter] = {
                   words=("table", "rest"), only=_RING),
         Parameter("bending_scale", "number", "factor on EI; 0 leaves bending out", default=1.0, least=0.0, only=_RING),
         Parameter("tip_radius_m", "number", "radius of the round peg that holds the tip, to the middle of the band; "
-                  "0 for a point", "r", "m", default=0.0, least=0.0, commands=_TOLERANT, only={"until": "release", **_RING},
-                  metavar="M"),
+                  "0 for a point", "r", "m", default=0.0, least=0.0, commands=_TOLERANT,
+                  only={"until": "release", **_RING}, metavar="M"),
         Parameter("finger", "word", "it stays, or is taken away once it carries no load", default="stays",
                   words=("stays", "clears"), commands=_RUNS, only=_launch()),
         Parameter("flight_s", "number", "time of flight after the rear has reached the place of the finger", unit="s",

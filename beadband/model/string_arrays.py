@@ -99,6 +99,8 @@ def softens(law: Law, strain: Array) -> bool:
             return False
         before = tangent
     return True
+
+
 def strip_speeds(law: Law, density_kg_m3: Any, strain: Any) -> Array:
     """Recoil speeds of strips of one law, m/s: :func:`beadband.model.wedge.strip_limit` for arrays that broadcast."""
     density, strains = np.broadcast_arrays(*(np.asarray(one, dtype=np.float64) for one in (density_kg_m3, strain)))

@@ -22,7 +22,7 @@ from beadband.planning.sampling import leg_end_s, sample_leg, sample_ring
 MOST_PLANNED_BEADS = 6000
 FEWEST_LEG_BONDS = 8
 FEWEST_STRIP_BONDS = 240
-"""Bonds of a planned strip at least: its recoil speed is right to 0.1 % then whatever its law, for little time."""
+"""Bonds of a planned strip at least: they cost little, and its recoil speed is right to 0.1 % for nearly every law."""
 
 STEP_SHARE = 0.65
 """Share of the largest stable step that is used."""

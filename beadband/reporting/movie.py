@@ -184,7 +184,9 @@ def _box(story: Story) -> tuple[Array, Array]:
     edge, radius = 1.5 * story.thickness_m, story.finger.radius_m
     low = np.minimum(story.positions_m.min(axis=(0, 1)), [story.finger.centre_m - radius, -radius])
     high = np.maximum(story.positions_m.max(axis=(0, 1)), [story.finger.centre_m + radius, radius])
-    return low - edge, high + edge
+    # A strip is flat: room for the bar below it.
+    beside = np.array([0.0, 0.06 * float(high[0] - low[0]) if story.open else 0.0])
+    return low - edge - beside, high + edge + beside
 
 
 def _figure(story: Story) -> Any:

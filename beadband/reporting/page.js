@@ -166,10 +166,12 @@ function paint(canvas, width, height, density, t, ink) {
   context.font = "12px system-ui, sans-serif"; context.textAlign = "left";
   context.fillText(`${short(1e3 * bar)} mm`, ends[0], height - 19);
 }
+// Room for the bar below a strip, which is flat.
+const heightFor = (width) => Math.max(width * (box.height / box.width) + 24, 72);
 function paintStage() {
   const canvas = at("stage"), width = canvas.parentElement.clientWidth - 26;
   if (width <= 0) return;
-  const height = Math.round(Math.min(width * (box.height / box.width) + 24, 0.62 * Math.max(innerHeight, 420)));
+  const height = Math.round(Math.min(heightFor(width), 0.62 * Math.max(innerHeight, 420)));
   canvas.height = height;
   paint(canvas, width, height, window.devicePixelRatio || 1, clock.t, screenInk());
 }
@@ -404,7 +406,7 @@ const prints = [0, 0.1, 0.25, 0.5, 0.75, 1].map((share) => {
   return [canvas, t];
 });
 function paintPrints() {
-  for (const [canvas, t] of prints) paint(canvas, 420, (420 * box.height) / box.width + 24, 2, t, paperInk);
+  for (const [canvas, t] of prints) paint(canvas, 420, heightFor(420), 2, t, paperInk);
 }
 
 // All are on the page before the first is laid out: the width of one depends on the others.

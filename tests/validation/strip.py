@@ -1,10 +1,10 @@
 """A released strip against its exact solution: planned runs, orders of convergence, and whether the bars hold.
 
-    python tests/validation/strip.py [planned|orders|bars [SCENES]]
+    python tests/validation/strip.py [planned|orders|bars [SCENES [SEED]]]
 
 ``planned`` runs the laws of docs/strip.md as they are planned; ``orders`` refines them with the losses of docs/loss.md
 and without; ``bars`` releases random strips with 24 to 800 bonds, and counts which of their errors lie within the
-stated ones.
+stated ones. The curves of the plan were drawn from the scenes of seed 7.
 """
 
 from __future__ import annotations
@@ -116,9 +116,9 @@ def orders() -> None:
                 print(f"  {what:8s} {listed}  order {'none' if order is None else f'{order:.1f}'}")
 
 
-def scenes(count: int) -> Iterator[dict[str, Any]]:
+def scenes(count: int, seed: int) -> Iterator[dict[str, Any]]:
     """Random strips of every kind of wave."""
-    draw = np.random.default_rng(7)
+    draw = np.random.default_rng(seed)
     while count:
         law = str(draw.choice(["linear", "mooney-rivlin", "neo-hookean", "gent", "ogden", "yeoh"]))
         values: dict[str, Any] = {"law": law, "strain": float(np.exp(draw.uniform(np.log(0.1), np.log(4.0))))}
@@ -146,10 +146,10 @@ def scenes(count: int) -> Iterator[dict[str, Any]]:
         yield values
 
 
-def coverage(count: int) -> None:
+def coverage(count: int = 60, seed: int = 11) -> None:
     """95 % envelopes of the errors over the bonds, by the kind of wave, and the share within the bars."""
     table: dict[tuple[str, int], list[tuple[float, ...]]] = {}
-    for values in scenes(count):
+    for values in scenes(count, seed):
         for beads in (24, *LEVELS):
             run = released(**values, beads=beads)
             kind = run.plan.string.wave.kind
@@ -175,7 +175,7 @@ def main() -> None:
     if wanted in ("", "orders"):
         orders()
     if wanted in ("", "bars"):
-        coverage(int(sys.argv[2]) if len(sys.argv) > 2 else 60)
+        coverage(*map(int, sys.argv[2:]))
 
 
 if __name__ == "__main__":
