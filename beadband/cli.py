@@ -147,6 +147,16 @@ def build_parser() -> argparse.ArgumentParser:
         "--random", metavar="N", type=int, help="draw N scenes from the ranges instead of the whole grid"
     )
     sweep.add_argument("--seed", metavar="S", type=int, help="seed of the draws (with --random; default: 0)")
+    sweep.add_argument(
+        "--by", metavar="WAY", help="cheapest: the formula where it will do; runs: none (default: by the tolerance)"
+    )
+    sweep.add_argument("--parquet", action="store_true", help="write sweep.parquet too (needs pyarrow)")
+    sweep.add_argument(
+        "--executor", metavar="MODULE:FACTORY", help="what runs the scenes: any executor of concurrent.futures"
+    )
+    sweep.add_argument(
+        "--hang-after", metavar="S", type=float, help="seconds beyond the expected ones until a worker is given up"
+    )
     launch_map = command("launch-map", "pause and efficiency of launches over strain and half-angle")
     launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")
     launch_map.add_argument("--jobs", metavar="N", type=int, help="processes (default: one per core)")

@@ -244,13 +244,29 @@ def sweep(arguments: Namespace) -> int:
     from beadband.lammps.ranks import world
     from beadband.reporting import summary as tables
     from beadband.studies import sweep as sweeping
+    from beadband.studies.engines import engine_of
     from beadband.studies.sweep.grid import grid_of, read_grid
 
     values = read_grid(arguments.grid) if arguments.grid is not None else {}
     grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed)
     out = arguments.out if arguments.out is not None else "sweep"
-    with _bar("scene") as follow:
-        done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)
+    patience = {} if arguments.hang_after is None else {"hang_after": arguments.hang_after}
+
+    def announce(expected: Any) -> None:
+        print(tables.sweep_estimate(expected), file=sys.stderr)
+
+    with engine_of(arguments.executor) as executor, _bar("scene") as follow:
+        done = sweeping.run_grid(
+            grid,
+            by=arguments.by,
+            jobs=arguments.jobs,
+            executor=executor,
+            out=out,
+            parquet=arguments.parquet,
+            follow=follow,
+            announce=announce,
+            **patience,
+        )
     if world().rank == 0:
         print(json.dumps(done.summary, indent=1) if arguments.json else tables.sweep(done.summary))
         print(f"table, summary and pictures in {out}", file=sys.stderr)

@@ -38,7 +38,7 @@ def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None
     "speed" is V in m/s, "curvature" the mean tip curvature in its window over that of Eq. 7. UsageError where one of
     the scenes has no answer.
     """
-    given = _arrays(scene, varied or {})
+    given = _checked(scene, varied or {})
     numbers, speed = _numbers(scene, given)
     shape = speed.shape
     found = (correction.speed_correction if quantity == "speed" else correction.curvature_correction)(numbers)
@@ -51,19 +51,16 @@ def shares_law(scene: Scene) -> bool:
     return type(scene.material).__name__ not in ("Softened", "Unloading")
 
 
-def _arrays(scene: Scene, varied: Mapping[str, Any]) -> dict[str, Array]:
-    """All of :data:`VARIED` as arrays of one shape, checked."""
-    own = {"strain": scene.strain, "half_angle_deg": scene.half_angle_deg, **scene.band.properties()}
-    names = [key for key in VARIED if own.get(key) is not None or key in varied]
-    arrays = np.broadcast_arrays(*(np.asarray(varied.get(key, own.get(key)), dtype=np.float64) for key in names))
-    given = dict(zip(names, arrays, strict=True))
-    strain, phi = given["strain"], np.radians(given["half_angle_deg"])
-    held, peak = 1.0 + strain, _longest_held(scene)
-    leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
-    thickness = given["thickness_m"]
-    refused = (held * np.sin(phi) >= 1.0) | (held >= peak)
-    if scene.bending_scale > 0.0:
-        refused |= (leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg / held <= thickness)
+def answered(scene: Scene, varied: Mapping[str, Any]) -> NDArray[np.bool_]:
+    """Which copies of a scene with other values of :data:`VARIED` have an answer at all."""
+    found: NDArray[np.bool_] = ~_refused(scene, _arrays(scene, varied))
+    return found
+
+
+def _checked(scene: Scene, varied: Mapping[str, Any]) -> dict[str, Array]:
+    """All of :data:`VARIED` as arrays of one shape; UsageError where one of the scenes has no answer."""
+    given = _arrays(scene, varied)
+    refused = _refused(scene, given)
     if np.any(refused):
         from beadband.model.scene import scene_of
 
@@ -71,7 +68,27 @@ def _arrays(scene: Scene, varied: Mapping[str, Any]) -> dict[str, Array]:
         changed = {key: float(given[key].ravel()[at]) for key in varied}
         check_validity(scene_of({**scene.as_dict(), **changed}))
         raise UsageError(explain("a scene has no answer", changed, "a wedge that can be held", "leave it out"))
+    return given
+
+
+def _arrays(scene: Scene, varied: Mapping[str, Any]) -> dict[str, Array]:
+    """All of :data:`VARIED` as arrays of one shape, with the legs and angles."""
+    own = {"strain": scene.strain, "half_angle_deg": scene.half_angle_deg, **scene.band.properties()}
+    names = [key for key in VARIED if own.get(key) is not None or key in varied]
+    arrays = np.broadcast_arrays(*(np.asarray(varied.get(key, own.get(key)), dtype=np.float64) for key in names))
+    given = dict(zip(names, arrays, strict=True))
+    held, phi = 1.0 + given["strain"], np.radians(given["half_angle_deg"])
+    leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
     return {**given, "leg_m": leg / held, "half_angle_rad": phi}
+
+
+def _refused(scene: Scene, given: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Which scenes have no answer: those of :func:`scene_of` and :func:`check_validity`."""
+    held, phi, leg, thickness = 1.0 + given["strain"], given["half_angle_rad"], given["leg_m"], given["thickness_m"]
+    refused: NDArray[np.bool_] = (held * np.sin(phi) >= 1.0) | (held >= _longest_held(scene))
+    if scene.bending_scale > 0.0:
+        refused |= (held * leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg <= thickness)
+    return refused
 
 
 @lru_cache(maxsize=256)

@@ -71,11 +71,11 @@ def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Sessio
     model, runs, beads = np.full(size, "formula"), np.zeros(size, dtype=np.int64), np.zeros(size, dtype=np.int64)
     within = np.ones(size, dtype=bool)
     others = {key: one for key, one in flat.items() if key not in (*VARIED, "tolerance")}
-    for chosen in _kinds(others, size):
+    for chosen in kinds_among(others, size):
         first = chosen[0]
         own = {**plain, **{key: one[first].item() for key, one in flat.items()}}
         scene = scene_of(own)
-        if not _by_formula(scene):
+        if not by_formula(scene):
             continue
         varied = {key: _checked(key, one[chosen]) for key, one in flat.items() if key in VARIED}
         found = formula(scene, quantity, varied)
@@ -106,7 +106,7 @@ def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Sessio
     )
 
 
-def _kinds(others: Mapping[str, NDArray[Any]], size: int) -> list[NDArray[np.int64]]:
+def kinds_among(others: Mapping[str, NDArray[Any]], size: int) -> list[NDArray[np.int64]]:
     """Places of the scenes that share the values of ``others``, one array for each kind."""
     if not others:
         return [np.arange(size)]
@@ -169,11 +169,11 @@ def _base(rest: tuple[tuple[str, Any], ...], varied: tuple[tuple[str, Any], ...]
         if len(_bases) >= _MOST_BASES:
             _bases.clear()
         scene = scene_of(dict((*rest, *varied)))
-        _bases[key] = scene if _by_formula(scene) else None
+        _bases[key] = scene if by_formula(scene) else None
     return _bases[key]
 
 
-def _by_formula(scene: Scene) -> bool:
+def by_formula(scene: Scene) -> bool:
     """Whether scenes that differ from this one in sizes, strain and angle have answers by one evaluation."""
     question_of(scene, "speed")
     return shares_law(scene) and not (scene.errors or scene.covariance or scene.auto_tolerance)

@@ -6,7 +6,7 @@ import itertools
 import os
 import random
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,15 +45,32 @@ class Grid:
             total *= len(axis.values)
         return total if self.count is None else self.count
 
-    def scenes(self) -> list[Values]:
-        """Values of every scene; the last axis runs fastest."""
+    def scenes(self) -> Iterator[Values]:
+        """Values of every scene, one after another; the last axis runs fastest. Each call begins anew."""
         if self.count is None:
             keys = [axis.key for axis in self.axes]
-            return [
-                dict(zip(keys, point, strict=True)) for point in itertools.product(*(axis.values for axis in self.axes))
-            ]
+            for point in itertools.product(*(axis.values for axis in self.axes)):
+                yield dict(zip(keys, point, strict=True))
+            return
         draws = random.Random(self.seed)
-        return [{axis.key: _draw(axis, draws) for axis in self.axes} for _ in range(self.count)]
+        for _ in range(self.count):
+            yield {axis.key: _draw(axis, draws) for axis in self.axes}
+
+    def some(self, number: int) -> list[Values]:
+        """So many scenes that stand for all: spread evenly over the grid, or the first draws."""
+        if self.count is not None:
+            return list(itertools.islice(self.scenes(), number))
+        return (
+            [self._point(at * len(self) // number) for at in range(number)] if len(self) > number else [*self.scenes()]
+        )
+
+    def _point(self, place: int) -> Values:
+        """The scene at a place of the whole grid."""
+        found = []
+        for axis in reversed(self.axes):
+            place, at = divmod(place, len(axis.values))
+            found.append((axis.key, axis.values[at]))
+        return dict(reversed(found))
 
     def as_dict(self) -> dict[str, Any]:
         """The grid as JSON takes it."""
