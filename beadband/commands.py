@@ -241,10 +241,10 @@ def reproduce(arguments: Namespace) -> int:
 
 def sweep(arguments: Namespace) -> int:
     """Release a grid of scenes."""
-    from beadband.lammps.ranks import world
+    from beadband.lammps.ranks import stop_others, world
     from beadband.reporting import summary as tables
     from beadband.studies import sweep as sweeping
-    from beadband.studies.engines import engine_of
+    from beadband.studies.engines import engine_of, left_behind
     from beadband.studies.sweep.grid import grid_of, read_grid
 
     values = read_grid(arguments.grid) if arguments.grid is not None else {}
@@ -275,6 +275,10 @@ def sweep(arguments: Namespace) -> int:
             first = next((each["first"] for each in reasons), "the grid holds no scene")
             refused = "failed" not in done.summary["status"]
             raise (UsageError if refused else RunError)(f"no scene of the sweep has a result; the first: {first}")
+        if left_behind():
+            # Ranks that wait for one which hangs would never end.
+            sys.stdout.flush()
+            stop_others(0)
     return 0
 
 

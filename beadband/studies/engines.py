@@ -175,6 +175,14 @@ def until_interrupted(work: Work, function: Any, chunk: Chunk, lost: int) -> lis
         _busy = False
 
 
+_hung: list[Chunk] = []
+
+
+def left_behind() -> bool:
+    """Whether workers of an executor hang, so that nothing is to wait for them."""
+    return bool(_hung)
+
+
 @dataclass
 class Ledger:
     """What is out, what is to be done again, and how often each task was lost."""
@@ -185,8 +193,6 @@ class Ledger:
     suspects: deque[Chunk] = field(default_factory=deque)
     """Single tasks, one of which may have broken the executor."""
     losses: Counter[int] = field(default_factory=Counter)
-    hung: int = 0
-    """Chunks whose workers may be at them still."""
 
     def take(self) -> Chunk | None:
         """What to hand out next."""
@@ -251,7 +257,7 @@ def work_through(
                     broken.append(chunk)
                 else:
                     row += 1
-                    ledger.hung += isinstance(found, TimeoutError)
+                    _hung.extend([chunk] * isinstance(found, TimeoutError))
                     if row > _MOST_LOSSES:
                         raise _broken(found)
                     yield ledger.lose(chunk, _why(found), ledger.again)
@@ -423,5 +429,7 @@ def engine_of(name: str | None) -> Iterator[Executor | None]:
         text = f"{name} ({type(error).__name__}: {' '.join(str(error).split())})"
         allowed = "MODULE:FACTORY, a function without arguments that returns a concurrent.futures.Executor"
         raise UsageError(explain("the executor can't be made", text, allowed, "change --executor")) from error
-    with executor:
+    try:
         yield executor
+    finally:
+        executor.shutdown(wait=not left_behind())

@@ -152,16 +152,6 @@ def run_numbered(
                     yield number, item, Failed(outcome.code, outcome.reason) if lost else outcome
     finally:
         close_session()
-        if ledger.hung:
-            _left_behind.append(ledger.hung)
-
-
-_left_behind: list[int] = []
-
-
-def left_behind() -> bool:
-    """Whether workers hang that this process can't end."""
-    return bool(_left_behind)
 
 
 def _chunks(tasks: Iterable[tuple[int, T]], size: int) -> Iterator[Chunk]:
@@ -187,7 +177,7 @@ def ranks() -> Iterator[Executor | None]:
     try:
         yield executor
     finally:
-        if not left_behind():
+        if not engines.left_behind():
             context.__exit__(None, None, None)
 
 
