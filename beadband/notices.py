@@ -169,6 +169,9 @@ SENTENCES: dict[str, str] = {
     "{value:2p} of its momentum",
     "crosses-itself": "the band crosses itself from {value:.4g} s on: the model has no contact between its parts",
     "buckled-aside": "the compressed band buckled to one side: its rear left the axis by up to {value:.3g} m",
+    # Studies of many scenes
+    "indices-of-errors": "single values have errors of up to {value:.2g} of their standard deviation over the ranges: "
+    "the indices are in part those of these errors; lower --tolerance or widen the ranges",
     # Fits of laws to a tensile test
     "fit-undetermined": "the test does not determine {name}: its standard error is {value:.2g} of it",
     "fit-peak": "the tension of this fit peaks at a stretch of {value:.4g}, within the test, which goes to "

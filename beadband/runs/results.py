@@ -21,6 +21,7 @@ from beadband.analysis.energy import Balance
 from beadband.analysis.fits import Measured
 from beadband.analysis.rear import Rear
 from beadband.analysis.ring import RingFrames
+from beadband.model.figures import figures_of_scene
 from beadband.model.scene import Scene
 from beadband.notices import Notice, distinct_digits, notice
 from beadband.planning.plan import Plan
@@ -124,6 +125,11 @@ class RearRun:
     @property
     def scene(self) -> Scene:
         return self.plan.scene
+
+    @cached_property
+    def design(self) -> dict[str, float | None]:
+        """What a designer asks of the held band, and of its throw without bending, by the keys of the observables."""
+        return figures_of_scene(self.scene)
 
     @property
     def rear(self) -> Rear:

@@ -46,6 +46,7 @@ def sweep(
     *,
     random: int | None = None,
     seed: int | None = None,
+    sample: str | None = None,
     by: str | None = None,
     jobs: int | None = 1,
     executor: Executor | None = None,
@@ -62,8 +63,8 @@ def sweep(
     options
         Those of a scene, each a value, a list, or text such as "0.1:1.4:14" (both ends, 14 values). What is left out
         keeps its default, except that ``for`` is "speed": the plan gets V right, and the curvature as it comes.
-    random, seed
-        Draw so many scenes instead of the whole grid.
+    random, seed, sample
+        Draw so many scenes instead of the whole grid: "random" ones, a "latin-hypercube", or Sobol' points, "sobol".
     by
         "runs" releases every scene. "cheapest" leaves to the formula of :func:`beadband.ask` what it answers within
         the tolerance, and releases the rest. None is "cheapest" for scenes with a tolerance of 1 % or more.
@@ -88,7 +89,7 @@ def sweep(
     UsageError
         The grid or the folder can't be used. A scene without an answer is a row that gives the reason.
     """
-    grid = grid_of(options, random, seed)
+    grid = grid_of(options, random, seed, sample)
     return run_grid(
         grid, by=by, jobs=jobs, executor=executor, out=out, parquet=parquet, hang_after=hang_after, follow=follow
     )

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from beadband import observables
 from beadband.analysis.fits import Measured
 from beadband.errors import BeadbandError, UsageError, explain
-from beadband.model.formula import VARIED, answered, formula
+from beadband.model.figures import figures
+from beadband.model.formula import STATED, VARIED, answered, formula, longest_held, scenes_of, varies_together
 from beadband.model.scene import Scene, scene_of
-from beadband.model.string_arrays import string_limits
+from beadband.model.string_arrays import arrays_of, string_limits
 from beadband.model.wedge import published_ratio, wave_speeds
 from beadband.parameters import TABLE
 from beadband.runs.ask_many import by_formula, kinds_among
@@ -75,15 +76,28 @@ class Rungs:
         tolerance = np.array([one if isinstance(one, float) else 0.0 for one in asked])
         if self._by == "runs" or (self._by is None and tolerance.max() < LOOSE):
             return Block(first, scenes, known, columns)
-        varied = {key: np.array([one[key] for one in scenes], dtype=np.float64) for key in VARIED if key in scenes[0]}
-        others = [key for key in scenes[0] if key not in (*VARIED, "tolerance")]
-        texts = {key: np.array([repr(one[key]) for one in scenes]) for key in others}
-        for chosen in kinds_among(texts, len(scenes)):
-            base = self._base([scenes[at] for at in chosen.tolist()], others)
-            own = {key: one[chosen] for key, one in varied.items()}
+        constants = [key for key in scenes[0] if key == STATED or TABLE[key].section == "law"]
+        varied = {
+            key: np.array([one[key] for one in scenes], dtype=np.float64)
+            for key in (*VARIED, *constants)
+            if key in scenes[0] and all(isinstance(one[key], (int, float)) for one in scenes)
+        }
+        others = [key for key in scenes[0] if key not in varied and key != "tolerance"]
+        kinds = kinds_among([_texts(scenes, key) for key in others], len(scenes))
+        while kinds:
+            chosen = kinds.pop(0)
+            base = self._base([scenes[at] for at in chosen.tolist()], (*others, *constants))
             if base is None:
                 continue
-            held = answered(base, own)
+            own = {key: one[chosen] for key, one in varied.items()}
+            # A linear law with just the modulus of its band stands in for that band's rubber.
+            if not varies_together(base, own) or (base.law == "linear" and STATED in own):
+                parts = kinds_among([own[key] for key in constants if key in own], len(chosen))
+                if len(parts) > 1:
+                    kinds[:0] = [chosen[part] for part in parts]
+                    continue
+                own = {key: one for key, one in own.items() if key in VARIED}
+            held = answered(base, own) & _in_range(base, own)
             chosen, own = chosen[held], {key: one[held] for key, one in own.items()}
             if len(chosen) == 0:
                 continue
@@ -122,6 +136,19 @@ def _first(scenes: Sequence[Values]) -> Scene | None:
     return None
 
 
+def _texts(scenes: Sequence[Values], key: str) -> NDArray[np.str_]:
+    return np.array([repr(one[key]) for one in scenes])
+
+
+def _in_range(scene: Scene, varied: Mapping[str, NDArray[Any]]) -> NDArray[np.bool_]:
+    """Where the law takes the constants: it may ask more of them than the table of parameters does."""
+    good = np.ones(np.broadcast_shapes(*(one.shape for one in varied.values())), dtype=bool)
+    for one in scene.material.constants():
+        if one.key in varied:
+            good &= np.array([one.holds(value) for value in varied[one.key].tolist()])
+    return good
+
+
 def _column(like: Any, size: int) -> NDArray[Any]:
     kind = np.asarray(like).dtype.kind
     return np.full(size, np.nan) if kind in "fiu" else np.full(size, "", dtype=object)
@@ -140,13 +167,12 @@ def _row(scene: Scene, varied: Mapping[str, Any], speed: Measured) -> dict[str, 
 
 def _found(scene: Scene, varied: Mapping[str, Any], speed: Measured) -> Any:
     """What a :class:`beadband.runs.results.RearRun` has, as far as there is any of it without a run; arrays."""
-    density = varied.get("density_kg_m3", scene.band.density_kg_m3)
-    strain = varied.get("strain", scene.strain)
-    phi = np.radians(varied["half_angle_deg"]) if "half_angle_deg" in varied else scene.half_angle_rad
-    string = string_limits(scene.material, density, strain, phi)
+    law, given = scenes_of(scene, varied)
+    density, strain, phi = (given[key] for key in ("density_kg_m3", "strain", "half_angle_rad"))
+    string = string_limits(law, density, strain, phi)
     band: Any = SimpleNamespace(
-        bar_speed_m_s=np.sqrt(scene.band.modulus_pa / density),
-        rest_speed_m_s=np.sqrt(scene.band.rest_modulus_pa / density),
+        bar_speed_m_s=np.sqrt(given.get(STATED, scene.band.modulus_pa) / density),
+        rest_speed_m_s=np.sqrt((law.tangent(1.0) if arrays_of(law) else scene.band.rest_modulus_pa) / density),
     )
     speeds = wave_speeds(band, string.front_speed_m_s, strain, phi)
     published = published_ratio(strain, phi)
@@ -161,4 +187,5 @@ def _found(scene: Scene, varied: Mapping[str, Any], speed: Measured) -> Any:
         plan=SimpleNamespace(string=string, model="formula", beads=None, steps=None, bead_steps=None),
         measurement=SimpleNamespace(no_decay="answered by the formula, without a run"),
         curvature=None,
+        design={**figures(scene, varied), "peak_strain": longest_held(scene.material) - 1.0},
     )
