@@ -187,5 +187,6 @@ def _found(scene: Scene, varied: Mapping[str, Any], speed: Measured) -> Any:
         plan=SimpleNamespace(string=string, model="formula", beads=None, steps=None, bead_steps=None),
         measurement=SimpleNamespace(no_decay="answered by the formula, without a run"),
         curvature=None,
+        late_speed_m_s=None,
         design={**figures(scene, varied), "peak_strain": longest_held(scene.material) - 1.0},
     )
