@@ -73,8 +73,13 @@ class Values:
     value: Array
     error: Array
     """Bound of the numerical error; 0 for closed forms."""
-    runs: int
+    by_run: NDArray[np.bool_]
     """Scenes that the formula did not reach."""
+
+    @property
+    def runs(self) -> int:
+        """How many they are."""
+        return int(np.count_nonzero(self.by_run))
 
 
 def evaluate(values: Mapping[str, Any], quantity: Quantity, session: Session | None = None) -> Values:
@@ -85,7 +90,7 @@ def evaluate(values: Mapping[str, Any], quantity: Quantity, session: Session | N
     """
     if quantity.asked:
         found = ask_many(values, quantity.name, session, MOST_RUNS)
-        return Values(found.value, found.error, int(np.count_nonzero(found.model != "formula")))
+        return Values(found.value, found.error, found.model != "formula")
     arrays = arrays_among(values)
     value = closed({key: one for key, one in values.items() if key not in arrays}, arrays)[quantity.key]
     if quantity.key in THROWS and not np.isfinite(value).all():
@@ -98,7 +103,7 @@ def evaluate(values: Mapping[str, Any], quantity: Quantity, session: Session | N
                 "narrow the ranges, or change --law",
             )
         )
-    return Values(value, np.zeros_like(value), 0)
+    return Values(value, np.zeros_like(value), np.zeros(value.shape, dtype=bool))
 
 
 def closed(plain: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Array]:
