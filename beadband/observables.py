@@ -151,6 +151,12 @@ def _throw(name: str, sentence: str, unit: str, label: str, **more: Any) -> Obse
     return Observable(key, sentence, unit, source, "number", "launch", error=True, null=True, label=label, **more)
 
 
+def _hand(name: str, sentence: str, unit: str, label: str, **more: Any) -> Observable:
+    """One of the figures of a hand."""
+    key, source = f"launch.hand.{name}", f"hand_figures.{name}"
+    return Observable(key, sentence, unit, source, "number", "launch", error=True, null=True, label=label, **more)
+
+
 def _figure(name: str, sentence: str, unit: str = "", **more: Any) -> Observable:
     """What a designer asks: a closed form of the held band, also in the table of a sweep."""
     return Observable(f"design.{name}", sentence, unit, f"design.{name}", column=name, **more)
@@ -178,6 +184,9 @@ _TABLE: list[Observable] = [
     _ring("held.net_force", "largest net force on a free bead of the held ring, over the tension"),
     Observable("rebound_speed_m_s", _V, "m/s", "speed", error=True, column="rebound_speed_m_s",
                label="rebound speed V"),
+    Observable("late_speed_m_s", "speed of the rear tip from 0.7 to 0.85 of the front's arrival; null with few frames",
+               "m/s", null=True, column="late_speed_m_s",
+               label="late speed"),
     Observable("rebound_speed_input_error_m_s", "error of V from those of the inputs; null where none was given",
                "m/s", "input_error_m_s", null=True, label="error from the inputs"),
     Observable("inputs", "inputs with an error: name, value, error, sensitivity d ln V/d ln x, share of the variance",
@@ -250,6 +259,15 @@ _TABLE: list[Observable] = [
     _throw("pause_s", "time between the two", "s", "pause between them", **_TIME),
     _throw("escape_speed_m_s", "radius of the finger over the pause", "m/s", "escape speed R/pause"),
     _throw("momentum_n_s", "momentum of the band at the end", "N s", "momentum at the end"),
+    _launch("hand", "what a finger that moves felt; null where it stays", "", "hand_figures", "object", null=True),
+    _launch("hand.hit", "whether the rear hits it before three times the arrival at a fixed finger", "",
+            "hand_figures.hit", "flag", label="hand hit"),
+    _hand("hit_speed_m_s", "speed of the rear against it at the hit", "m/s", "speed of the hit", absent="not hit"),
+    _hand("peak_force_n", "largest force on it up to the hit, Hann mean of 0.03 t_f to either side", "N",
+          "peak force on the hand"),
+    _hand("impulse_n_s", "impulse of the band on it from the release to the hit", "N s", "impulse on the hand"),
+    _hand("displacement_m", "its way along the throw up to the hit", "m", "way of the hand", scale=1e3, shown="mm"),
+    _hand("velocity_m_s", "its velocity at the hit", "m/s", "velocity of the hand"),
     _launch("finger_impulse_n_s", "impulse of the finger", "N s", "found.impulse_n_s", label="impulse"),
     _launch("finger_force_n", "force on the held finger", "N", "held_force_n", label="held force"),
     _launch("finger", "the finger, and how deep beads went into it", "", "finger", "object"),
@@ -263,6 +281,7 @@ _TABLE: list[Observable] = [
     _launch("series.t_s", "times", "s", "energy.times_s", "series"),
     _launch("series.finger_force_n", "force of the finger, mean over each interval", "N", "force_n", "series"),
     _launch("series.clearance_m", "from the rear tip to the finger's surface", "m", "clearance_m", "series"),
+    _launch("series.hand_x_m", "place of the hand along the throw", "m", "hand.path.x_m", "series", optional=True),
     _launch("series.centre_x_m", "position of the centre of mass", "m", "watch.centre_x_m", "series"),
     _launch("series.centre_speed_m_s", "speed of the centre of mass", "m/s", "centre_speed_m_s", "series"),
 ]  # fmt: skip

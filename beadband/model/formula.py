@@ -40,6 +40,8 @@ class Formula(NamedTuple):
 def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None) -> Formula:
     """Answers for a scene, or for copies of it with other values of :data:`VARIED` (floats or arrays that broadcast).
 
+    Copies of a scene with a peg are asked for one by one.
+
     "speed" is V in m/s, "curvature" the mean tip curvature in its window over that of Eq. 7. Constants of the law and
     the stated modulus may vary too, as far as :func:`varies_together` says. UsageError where one of the scenes has no
     answer.
@@ -49,7 +51,8 @@ def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None
     shape = speed.shape
     found = (correction.speed_correction if quantity == "speed" else correction.curvature_correction)(numbers)
     value = (1.0 + found.delta.reshape(shape)) * (speed if quantity == "speed" else 1.0)
-    return Formula(value, np.where(found.inside, found.error, math.inf).reshape(shape) * np.abs(value))
+    inside = found.inside & (scene.peg is None)
+    return Formula(value, np.where(inside, found.error, math.inf).reshape(shape) * np.abs(value))
 
 
 def shares_law(scene: Scene) -> bool:

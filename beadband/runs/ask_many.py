@@ -220,4 +220,4 @@ def _base(rest: tuple[tuple[str, Any], ...], varied: tuple[tuple[str, Any], ...]
 def _by_formula(scene: Scene) -> bool:
     """Whether scenes that differ from this one in sizes, strain and angle have answers by one evaluation."""
     question_of(scene, "speed")
-    return shares_law(scene) and not (scene.errors or scene.covariance or scene.auto_tolerance)
+    return shares_law(scene) and not (scene.errors or scene.covariance or scene.auto_tolerance or scene.tip_radius_m)
