@@ -113,6 +113,19 @@ def test_figures_are_those_of_the_string_and_the_scene() -> None:
     assert figures_of_scene(scene_of({"band": "IV"}))["peak_strain"] == pytest.approx(1.475, abs=1e-3)
 
 
+def test_a_strip_has_neither_finger_nor_throw() -> None:
+    """It is pulled at one end alone; the goal of a recoil speed under that pull is its exact solution."""
+    strip, ring = ({"strain": 0.4, "shape": shape, "for": "speed"} for shape in ("strip", "ring"))
+    found, other = figures_of_scene(scene_of(strip)), figures_of_scene(scene_of(ring))
+    assert found["pull_n"] == found["tension_n"] == other["tension_n"]
+    assert found["held_length_m"] == pytest.approx(1.4 * 0.204, rel=1e-12)
+    assert found["finger_radius_m"] is found["throw_speed_m_s"] is None
+    pulled = beadband.design("speed", shape="strip", vary={"strain": (0.2, 0.8)}, keep={"pull": (None, 1.5)})
+    assert pulled.figures["tension_n"] == pytest.approx(1.5, rel=1e-4)
+    exact = scene_of({**strip, "strain": pulled.values["strain"]}).string.rear_speed_m_s
+    assert pulled.value == pytest.approx(exact, rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("vary", "more", "said"),
     [

@@ -14,7 +14,7 @@ from beadband import observables
 from beadband.analysis.fits import Measured
 from beadband.errors import BeadbandError, UsageError, explain
 from beadband.lammps.engine import Session, kept_session
-from beadband.model.figures import FIGURES, THROWS, figures, figures_of_scene
+from beadband.model.figures import FIGURES, figures, figures_of_scene
 from beadband.model.formula import shares_law
 from beadband.model.scene import Scene, scene_of
 from beadband.planning.plan import Plan, plan_of
@@ -94,21 +94,21 @@ class Values:
 def evaluate(values: Mapping[str, Any], quantity: Quantity, session: Session | None = None) -> Values:
     """A quantity of the scenes that values with arrays of shape (scenes,) among them make.
 
-    UsageError where one of them has no answer, for figures of the throw also where their closed form does not hold, and
-    where the formula does not reach more than :data:`MOST_RUNS`.
+    UsageError where one of them has no answer, or no closed form, and where the formula does not reach more than
+    :data:`MOST_RUNS`.
     """
     if quantity.asked:
         return _asked(values, quantity, session)
     arrays = arrays_among(values)
     value = closed({key: one for key, one in values.items() if key not in arrays}, arrays)[quantity.key]
-    if quantity.key in THROWS and not np.isfinite(value).all():
+    if not np.isfinite(value).all():
         at = int(np.flatnonzero(~np.isfinite(value))[0])
         raise UsageError(
             explain(
                 f"{quantity.name} has no closed form there",
                 ", ".join(f"{key} {one[at]}" for key, one in arrays.items()),
-                "half-angles below 30 degrees, and a law that unloads by one front",
-                "narrow the ranges, or change --law",
+                "rings of half-angles below 30 degrees, and a law that unloads by one front",
+                "narrow the ranges, or change --law or --shape",
             )
         )
     return Values(value, np.zeros_like(value), np.zeros(value.shape, dtype=bool))
