@@ -184,6 +184,14 @@ SENTENCES: dict[str, str] = {
     # Studies of many scenes
     "indices-of-errors": "single values have errors of up to {value:.2g} of their standard deviation over the ranges: "
     "the indices are in part those of these errors; lower --tolerance or widen the ranges",
+    "design-on-bound": "{name} is at the {value} end of its range, {limit}: a better band may lie beyond",
+    "design-at-edge": "the optimum lies {value:.2g} from the edge of what can be held or described: a better band may "
+    "lie beyond it",
+    "design-indifferent": "{name} changes neither the goal nor what is kept: its value is arbitrary",
+    "throw-without-bending": "the throw was made best in the string limit, without bending; a run of it with bending "
+    "gives {value:.4g}{unit}, {share:+.1%}",
+    "design-not-confirmed": "the optimum was had as {value:.4g}{unit}, and a run of it gives {limit:.4g}{unit}: more "
+    "than both errors apart",
     # Fits of laws to a tensile test
     "fit-undetermined": "the test does not determine {name}: its standard error is {value:.2g} of it",
     "fit-peak": "the tension of this fit peaks at a stretch of {value:.4g}, within the test, which goes to "

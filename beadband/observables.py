@@ -241,7 +241,7 @@ _TABLE: list[Observable] = [
     _figure("stored_energy_j", "energy of the held band in uniform stretch, bending left out", "J"),
     _figure("energy_density_j_kg", "stored energy over the mass", "J/kg"),
     _figure("tension_n", "tension of a leg of the held band, uniform stretch", "N"),
-    _figure("pull_n", "force that holds the rear, 2 T cos(half-angle)", "N"),
+    _figure("pull_n", "force that holds the rear, 2 T cos(half-angle); of a strip T", "N"),
     _figure("held_length_m", "length of the held band, from the rear to the far side of the finger", "m"),
     _figure("throw_momentum_n_s", "momentum of the thrown band in the string limit; null where that has no closed form",
             "N s", null=True),
