@@ -35,6 +35,7 @@ RUNGS: dict[str, Callable[[], list[Check]]] = {
         ("strip", "strip"),
         ("orders", "orders"),
         ("conservation", "conservation"),
+        ("peg", "peg"),
     )
 }
 """The rungs in the order in which they build on each other."""
