@@ -21,8 +21,8 @@ REAR = "rear.lammpstrj"
 PATH = "rear.dat"
 ENERGY = "energy.dat"
 FINGER = "finger.dat"
-HELD = "held.dat"
 HAND = "hand.dat"
+HELD = "held.dat"
 LOG = "log.lammps"
 
 

@@ -25,10 +25,10 @@ VARIED = ("strain", "half_angle_deg", "circumference_m", "thickness_m", "width_m
 """Inputs that may be arrays: with one law they make scenes that share all else."""
 
 
-_EXACT = 1e-9
-"""Relative error of an exact solution: of the search for its envelope, and of the integral over a fan."""
 STATED = "modulus_pa"
 """The stated E, which may be an array where EI is made of it."""
+_EXACT = 1e-9
+"""Relative error of an exact solution: of the search for its envelope, and of the integral over a fan."""
 
 
 class Formula(NamedTuple):
@@ -75,7 +75,7 @@ def varies_together(scene: Scene, varied: Mapping[str, Array]) -> bool:
     own = {STATED, *(one.key for one in scene.material.constants() if one.kind == "number")}
     if not constants:
         return True
-    if scene.bending_modulus != "table" or not shares_law(scene) or not own.issuperset(constants):
+    if scene.is_strip or scene.bending_modulus != "table" or not shares_law(scene) or not own.issuperset(constants):
         return False
     try:
         law, given = _law_of(scene, _broadcast(scene, varied))

@@ -55,8 +55,6 @@ class Scene:
     """Of a launch: whether the finger stays, or is taken away once it carries nothing."""
     flight_s: float
     """Of a launch whose finger clears: time that the band flies on after its rear has come to the finger's place."""
-    shape: str = "ring"
-    """"ring", or "strip": one straight leg as long as the band, of half-angle 0 and without bending."""
     tip_radius_m: float = 0.0
     """Radius of the peg that holds the tip, to the middle of the band; 0 for a point."""
     hand_mass_kg: float | None = None
@@ -64,6 +62,8 @@ class Scene:
     hand_damping_n_s_m: float | None = None
     hand_preload_n: float | None = None
     hand_velocity_m_s: float | None = None
+    shape: str = "ring"
+    """"ring", or "strip": one straight leg as long as the band, of half-angle 0 and without bending."""
     beads: int | None = None
     timestep_s: float | None = None
     loss_time_s: float | None = None
@@ -268,10 +268,10 @@ _PLAIN = (
     *HAND,
 )
 """Parameters that are fields of a scene under the same name."""
-_OF_A_RING = ("half_angle_deg", "bending_modulus", "bending_scale", "for")
-"""What a strip has no use for: its half-angle and bending are 0."""
 MOST_ON_PEG = 0.3
 """Share of the reference leg that may lie on a peg: beyond, its end feels the finger before the speed is measured."""
+_OF_A_RING = ("half_angle_deg", "bending_modulus", "bending_scale", "tip_radius_m", "for")
+"""What a strip has no use for: its half-angle and bending are 0."""
 _BESIDE = ("planned", "covariance")
 """Keys that no flag gives: they stand in files only."""
 KEYS = (*TABLE, *_BESIDE)
@@ -306,9 +306,9 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
         rest |= {"tolerance": TABLE["tolerance"].default, "auto_tolerance": True}
     scene = Scene(band=band, material=material, planned=planned, purpose=full["for"], **rest)
     _refuse_unused(scene, given)
+    hand_of(given)
     if scene.is_strip:
         scene = replace(scene, half_angle_deg=0.0, bending_scale=0.0, purpose="speed")
-    hand_of(given)
     _refuse_without_answer(scene)
     if scene.samples and not (errors or covariance or full["inputs"] == "as-printed"):
         allowed = "inputs with errors, as in --thickness '2.0e-3 +/- 5e-5', or --inputs as-printed"

@@ -74,7 +74,7 @@ def shapes(axes: Any, run: Run, ring: Trajectory) -> None:
     chosen = np.unique(np.linspace(0, len(times) - 1, _SNAPSHOTS).round().astype(int))
     shades = colormaps["viridis_r"](np.linspace(0.15, 1.0, len(chosen)))
     centre = (run.held.finger_centre_m * 1e3, 0.0)
-    axes.add_patch(Circle(centre, run.held.finger_radius_m * 1e3, color="#e4e0da", label="finger"))
+    axes.add_patch(Circle(centre, (run.held_radius_m or 0.0) * 1e3, color="#e4e0da", label="finger"))
     if peg := run.scene.tip_radius_m * 1e3:
         axes.add_patch(Circle((peg, 0.0), peg, fill=False, color="#a09a90", linestyle="--", label="peg"))
     for frame, shade in zip(chosen, shades, strict=True):
