@@ -138,6 +138,10 @@ def test_the_formula_of_a_strip_is_exact_for_one_and_for_many() -> None:
         ]
         assert found.value == pytest.approx(exact, rel=1e-9)
         assert set(np.asarray(found.model).tolist()) == {"formula"}
+    constants = np.array([1.5e5, 1.8e5, 2.2e5])
+    many = beadband.ask(shape="strip", strain=0.6, c10=constants, tolerance=1e-6)
+    each = [scene_of({"shape": "strip", "strain": 0.6, "c10_pa": c}).string.rear_speed_m_s for c in constants.tolist()]
+    assert many.value == pytest.approx(each, rel=1e-9)
     one = beadband.ask(shape="strip", law="linear", strain="0.4 +/- 0.01")
     assert one.value == pytest.approx(0.4 * scene_of({}).band.bar_speed_m_s, rel=1e-9)
     assert one.input_error == pytest.approx(0.025 * one.value, rel=1e-3)
