@@ -181,6 +181,8 @@ TABLE: dict[str, Parameter] = {
                   words=("stays", "clears"), commands=_RUNS, only=_launch()),
         Parameter("flight_s", "number", "time of flight after the rear has reached the place of the finger", unit="s",
                   default=0.0, least=0.0, commands=_RUNS, only=_launch(finger="clears"), metavar="S"),
+        Parameter("self_contact", "word", "contact between parts of the band that meet; off: they pass through "
+                  "each other", default="on", words=("on", "off"), commands=_RUNS, only=_launch()),
         Parameter("circumference_m", "number", "circumference of the unstretched band", "Cb", "m", section="band",
                   above=0.0, usual=(5e-3, 5.0), metavar="M"),
         Parameter("section", "word", "cross section", section="band", default=None,

@@ -52,6 +52,8 @@ class Scene:
     """Of a launch: whether the finger stays, or is taken away once it carries nothing."""
     flight_s: float
     """Of a launch whose finger clears: time that the band flies on after its rear has come to the finger's place."""
+    self_contact: str
+    """Of a launch: whether parts of the band that meet push each other away, "on" or "off"."""
     beads: int | None = None
     timestep_s: float | None = None
     loss_time_s: float | None = None
@@ -195,7 +197,7 @@ class Scene:
             "planned": list(self.planned) or None,
         }
         if self.until == "launch":
-            values.update({"finger": self.finger, "flight_s": self.flight_s})
+            values.update({key: getattr(self, key) for key in ("finger", "flight_s", "self_contact")})
         values |= self.band.properties() | self.material.values()
         return {key: value for key, value in values.items() if value is not None}
 
@@ -212,7 +214,10 @@ def _size(key: str, values: Mapping[str, Any]) -> str:
     return " ".join([",".join(f"{factor * each:.4g}" for each in numbers), *([name] if name else [])])
 
 
-_PLAIN = ("strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale", "finger", "flight_s")
+_PLAIN = (
+    *("strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale"),
+    *("finger", "flight_s", "self_contact"),
+)
 """Parameters that are fields of a scene under the same name."""
 _BESIDE = ("planned", "covariance")
 """Keys that no flag gives: they stand in files only."""

@@ -116,6 +116,7 @@ def as_dict(story: Story) -> dict[str, Any]:
             for scale, values in scales.values()
         ],
         "thickness_m": story.thickness_m,
+        "touches_m": [story.touches_m[frame].tolist() for frame in frames] if story.touches_m else [],
         "finger": {
             "centre_m": story.finger.centre_m,
             "radius_m": story.finger.radius_m,

@@ -21,6 +21,7 @@ from beadband.lammps.files import (
     REAR,
     SCRIPT,
     TABLE,
+    TOUCH,
     TRAJECTORY,
     refused,
     scratch,
@@ -29,11 +30,11 @@ from beadband.lammps.files import (
 
 SCENE = "scene.toml"
 RESULTS = "results.json"
-MEASURED = (SCENE, DATA, REAR, ENERGY, FINGER, TRAJECTORY)
+MEASURED = (SCENE, DATA, REAR, ENERGY, FINGER, TOUCH, TRAJECTORY)
 """Files from which results are made, as far as a run has them."""
 
 __all__ = ["DATA", "ENERGY", "FINGER", "LAUNCH_SCRIPT", "LEG_SCRIPT", "LOG", "PATH", "REAR", "SCRIPT", "TABLE"]
-__all__ += ["TRAJECTORY", "scratch", "write_text"]
+__all__ += ["TOUCH", "TRAJECTORY", "scratch", "write_text"]
 
 
 def create(out: str | os.PathLike[str]) -> Path:
