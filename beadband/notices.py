@@ -174,6 +174,7 @@ SENTENCES: dict[str, str] = {
     "finger-not-cleared": "the finger was never free of load and was not taken away: the flight is left out",
     "touched-again": "the band touched the free finger again, {count} time(s) from {start_s:.4g} s on, and {way} "
     "{value:2p} of its momentum",
+    "no-flight": "no flight is computed: the finger was never free of the band, which is not thrown",
     "touches-itself": "parts of the band touch each other from {value:.4g} s on",
     "crosses-itself": "the band crosses itself from {value:.4g} s on: contact between its parts is off",
     "buckled-aside": "the compressed band buckled to one side: its rear left the axis by up to {value:.3g} m",

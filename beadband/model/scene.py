@@ -23,7 +23,7 @@ from beadband.model.bands import (
 from beadband.model.calibration import Strand
 from beadband.model.laws import LAWS, Law, Linear, Softened, law_of
 from beadband.model.wedge import StringLimit, Wedge, published_ratio, string_limit, wave_speeds, wedge_of
-from beadband.parameters import AUTO, PLANNED, TABLE, UNUSED, checked, uncertain
+from beadband.parameters import AUTO, GIVEN, PLANNED, TABLE, UNUSED, checked, uncertain
 
 if TYPE_CHECKING:
     from beadband.model.scales import Scales
@@ -54,6 +54,12 @@ class Scene:
     """Of a launch whose finger clears: time that the band flies on after its rear has come to the finger's place."""
     self_contact: str
     """Of a launch: whether parts of the band that meet push each other away, "on" or "off"."""
+    elevation_deg: float | None
+    """Of a launch: angle of the throw above the horizontal; None where no flight is computed."""
+    height_m: float
+    air_density_kg_m3: float
+    drag_coefficient: float | None
+    """Across the band; None for that of its section."""
     beads: int | None = None
     timestep_s: float | None = None
     loss_time_s: float | None = None
@@ -198,6 +204,8 @@ class Scene:
         }
         if self.until == "launch":
             values.update({key: getattr(self, key) for key in ("finger", "flight_s", "self_contact")})
+            if self.elevation_deg is not None:
+                values.update({key: getattr(self, key) for key in _FLIGHT})
         values |= self.band.properties() | self.material.values()
         return {key: value for key, value in values.items() if value is not None}
 
@@ -214,9 +222,10 @@ def _size(key: str, values: Mapping[str, Any]) -> str:
     return " ".join([",".join(f"{factor * each:.4g}" for each in numbers), *([name] if name else [])])
 
 
+_FLIGHT = ("elevation_deg", "height_m", "air_density_kg_m3", "drag_coefficient")
 _PLAIN = (
     *("strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale"),
-    *("finger", "flight_s", "self_contact"),
+    *("finger", "flight_s", "self_contact", *_FLIGHT),
 )
 """Parameters that are fields of a scene under the same name."""
 _BESIDE = ("planned", "covariance")
@@ -409,16 +418,19 @@ def _refuse_unused(scene: Scene, given: Iterable[str]) -> None:
         allowed, advice = "--bending-modulus with --bending-scale above 0", "leave one of the two out"
         raise UsageError(explain(wrong, f"--bending-modulus {value}", allowed, advice), UNUSED)
     state = {"until": scene.until, "finger": scene.finger}
+    state["elevation_deg"] = "missing" if scene.elevation_deg is None else GIVEN
     for one in (TABLE[key] for key in given if key in TABLE):
         for other, needed in (one.only or {}).items():
             if state[other] != needed and getattr(scene, one.key) != one.default:
-                partners = " and ".join(f"{TABLE[key].flag} {value}" for key, value in (one.only or {}).items())
+                partners = {key: f"{TABLE[key].flag} {word}" for key, word in (one.only or {}).items()}
+                partners = {key: text.removesuffix(f" {GIVEN}") for key, text in partners.items()}
+                wrong = f"without {partners[other]}" if needed == GIVEN else f"with {other} {state[other]}"
                 raise UsageError(
                     explain(
-                        f"{one.flag} is not used with {other} {state[other]}",
+                        f"{one.flag} is not used {wrong}",
                         f"{one.flag} {getattr(scene, one.key)}",
-                        f"{partners} with {one.flag}",
-                        f"add {TABLE[other].flag} {needed}, or leave {one.flag} out",
+                        f"{' and '.join(partners.values())} with {one.flag}",
+                        f"add {partners[other]}, or leave {one.flag} out",
                     ),
                     UNUSED,
                 )
@@ -426,6 +438,9 @@ def _refuse_unused(scene: Scene, given: Iterable[str]) -> None:
 
 def _refuse_without_answer(scene: Scene) -> None:
     """Refuse what has no answer, with the number that decides."""
+    if scene.elevation_deg is not None and scene.elevation_deg <= 0.0 and scene.height_m == 0.0:
+        wrong, given = "there is no flight: the band is thrown at the ground", f"--elevation {scene.elevation_deg:g}"
+        raise UsageError(explain(wrong, given, "above 0 without --height", "raise --elevation or --height"))
     closing = (1.0 + scene.strain) * math.sin(scene.half_angle_rad)
     if closing >= 1.0:
         raise UsageError(

@@ -19,6 +19,7 @@ from beadband.notices import Notice, notice
 from beadband.planning.launch_plan import DEPTH_BOUND, LaunchPlan
 from beadband.planning.self_contact import OVERLAP_BOUND
 from beadband.runs.checks import Check, momentum_limit
+from beadband.runs.flight import Throw, throw_of
 from beadband.runs.results import NoEstimate, Run, known_fields
 from beadband.statics.finger import Support
 
@@ -96,6 +97,11 @@ class Launch(Run):
         if self.overlaps is None or self.overlaps.first_step is None:
             return None
         return self.overlaps.at(self.watch.steps)[1]
+
+    @cached_property
+    def flight(self) -> Throw | None:
+        """The flight to the ground; None where none is asked for, or where the band is not thrown."""
+        return throw_of(self)
 
     @property
     def self_contact(self) -> dict[str, float] | None:
@@ -240,6 +246,8 @@ class Launch(Run):
             count, start, share = len(found.touches), found.touches[0].start_s, abs(pushed / found.momentum_n_s)
             way = "lost" if pushed < 0.0 else "gained"
             more.append(notice("touched-again", count=count, start_s=start, way=way, value=share))
+        if self.scene.elevation_deg is not None and found.free is None:
+            more.append(notice("no-flight"))
         if self.self_touch_s is not None:
             more.append(notice("touches-itself", value=self.self_touch_s))
         if self.crossed_s is not None and self.overlaps is None:

@@ -36,6 +36,7 @@ RUNGS: dict[str, Callable[[], list[Check]]] = {
         ("orders", "orders"),
         ("conservation", "conservation"),
         ("self-contact", "self_contact"),
+        ("flight", "flight"),
     )
 }
 """The rungs in the order in which they build on each other."""
