@@ -22,6 +22,7 @@ PATH = "rear.dat"
 ENERGY = "energy.dat"
 FINGER = "finger.dat"
 TOUCH = "touch.dat"
+HAND = "hand.dat"
 LOG = "log.lammps"
 
 

@@ -66,7 +66,7 @@ def self_contact(
         return None, notice("self-contact-coarse", value=coarse, limit=_COARSEST)
     if beads > MOST_BEADS:
         return None, notice("self-contact-many", value=beads, limit=MOST_BEADS)
-    if string.rear_arrival_s < begin_s and scene.flight_s == 0.0:
+    if string.rear_arrival_s < begin_s and scene.flight_s == 0.0 and scene.hand is None:
         return None, notice("self-contact-never", value=string.rear_arrival_s, limit=string.finger_free_s)
     skin = _SKIN * thickness
     way = 2.0 * scene.string.rear_speed_m_s * step_s

@@ -11,6 +11,7 @@ import json
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import asdict
 from importlib.resources import files as resources
 from pathlib import Path
 from typing import Any
@@ -117,11 +118,8 @@ def as_dict(story: Story) -> dict[str, Any]:
         ],
         "thickness_m": story.thickness_m,
         "touches_m": [story.touches_m[frame].tolist() for frame in frames] if story.touches_m else [],
-        "finger": {
-            "centre_m": story.finger.centre_m,
-            "radius_m": story.finger.radius_m,
-            "until_s": story.finger.until_s,
-        },
+        "finger": asdict(story.finger),
+        "peg": asdict(story.peg) if story.peg else None,
         "charts": [_chart(chart) for chart in story.charts],
         "results": [[_signs(name), _signs(text)] for name, text in story.results],
         "scene": story.scene,

@@ -61,7 +61,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Finger:
-    """The cylinder in front, with the radius at which it touches the centre line."""
+    """A cylinder in the band, with the radius at which it touches the centre line."""
 
     centre_m: float
     radius_m: float
@@ -86,6 +86,8 @@ class Story:
     """Turning angle at each bead over reference spacing, positive where the ring turns as a circle does; same shape."""
     thickness_m: float
     finger: Finger
+    peg: Finger | None
+    """What holds the tip until the release; None for a point."""
     tip_times_s: Array
     """Times of the tip's speed, shape (points,)."""
     tip_speed_m_s: Array
@@ -152,6 +154,7 @@ def tell(results: Mapping[str, Any], times_s: Array, positions_m: Array, energie
         raise ValueError(f"{positions_m.shape[1]} beads in the trajectory, {scene['beads']} in the scene")
     spacing = scene["circumference_m"] / scene["beads"]
     series = results["series"]
+    radius = scene.get("tip_radius_m")
     free = launch.get("finger_free_s") if launch and scene.get("finger") == "clears" else None
     touches = _touches(launch or {}, scene["thickness_m"], spacing, times_s, positions_m)
     return Story(
@@ -167,6 +170,7 @@ def tell(results: Mapping[str, Any], times_s: Array, positions_m: Array, energie
         curvature_1_m=ring_curvature(positions_m, spacing),
         thickness_m=scene["thickness_m"],
         finger=Finger(held["finger_centre_m"], held["finger_radius_m"], free),
+        peg=Finger(radius, radius, 0.0) if radius else None,
         tip_times_s=_array(series["t_s"]),
         tip_speed_m_s=_array(series["tip_speed_m_s"]),
         charts=(

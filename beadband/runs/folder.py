@@ -14,6 +14,7 @@ from beadband.lammps.files import (
     DATA,
     ENERGY,
     FINGER,
+    HAND,
     LAUNCH_SCRIPT,
     LEG_SCRIPT,
     LOG,
@@ -30,10 +31,10 @@ from beadband.lammps.files import (
 
 SCENE = "scene.toml"
 RESULTS = "results.json"
-MEASURED = (SCENE, DATA, REAR, ENERGY, FINGER, TOUCH, TRAJECTORY)
+MEASURED = (SCENE, DATA, REAR, ENERGY, FINGER, HAND, TOUCH, TRAJECTORY)
 """Files from which results are made, as far as a run has them."""
 
-__all__ = ["DATA", "ENERGY", "FINGER", "LAUNCH_SCRIPT", "LEG_SCRIPT", "LOG", "PATH", "REAR", "SCRIPT", "TABLE"]
+__all__ = ["DATA", "ENERGY", "FINGER", "HAND", "LAUNCH_SCRIPT", "LEG_SCRIPT", "LOG", "PATH", "REAR", "SCRIPT", "TABLE"]
 __all__ += ["TOUCH", "TRAJECTORY", "scratch", "write_text"]
 
 

@@ -35,6 +35,7 @@ RUNGS: dict[str, Callable[[], list[Check]]] = {
         ("string", "stringlimit"),
         ("orders", "orders"),
         ("conservation", "conservation"),
+        ("peg", "peg"),
         ("self-contact", "self_contact"),
         ("flight", "flight"),
     )
