@@ -228,14 +228,8 @@ class Scene:
             "planned": list(self.planned) or None,
         }
         if self.until == "launch":
-            launched = (
-                "finger",
-                "flight_s",
-                "self_contact",
-                *HAND,
-                *(_FLIGHT if self.elevation_deg is not None else ()),
-            )
-            values.update({key: getattr(self, key) for key in launched})
+            flight = _FLIGHT if self.elevation_deg is not None else ()
+            values.update({key: getattr(self, key) for key in ("finger", "flight_s", "self_contact", *HAND, *flight)})
         values |= self.band.properties() | self.material.values()
         return {key: value for key, value in values.items() if value is not None}
 
