@@ -29,6 +29,8 @@ FEWEST_BEADS = 24
 MOST_STEPS = 2_000_000_000
 AUTO = "auto"
 """Tolerance of a fifth of what the inputs' errors make of the speed."""
+GIVEN = "given"
+"""What a parameter must be that another needs to have a value, whichever."""
 _UNITS = ("_kg_m3", "_n_s_m", "_m_s", "_deg", "_rad", "_pa", "_m2", "_m4", "_n_m", "_n", "_kg", "_m", "_s")
 
 
@@ -198,6 +200,17 @@ TABLE: dict[str, Parameter] = {
                   words=("stays", "clears"), commands=_RUNS, only=_launch()),
         Parameter("flight_s", "number", "time of flight after the rear has reached the place of the finger", unit="s",
                   default=0.0, least=0.0, commands=_RUNS, only=_launch(finger="clears"), metavar="S"),
+        Parameter("self_contact", "word", "contact between parts of the band that meet; off: they pass through "
+                  "each other", default="on", words=("on", "off"), commands=_RUNS, only=_launch()),
+        Parameter("elevation_deg", "number", "angle of the throw above the horizontal; with it the flight is computed, "
+                  "to the ground and in air", unit="deg", above=-90.0, below=90.0, commands=_RUNS, only=_launch(),
+                  metavar="DEG"),
+        Parameter("height_m", "number", "height of the throw above the ground", unit="m", default=0.0, least=0.0,
+                  commands=_RUNS, only=_launch(elevation_deg=GIVEN), metavar="M"),
+        Parameter("air_density_kg_m3", "number", "density of the air; 0 leaves it out", unit="kg/m3", default=1.2,
+                  least=0.0, commands=_RUNS, only=_launch(elevation_deg=GIVEN), metavar="KG_M3"),
+        Parameter("drag_coefficient", "number", "drag coefficient across the band; by default that of its section",
+                  "Cd", least=0.0, commands=_RUNS, only=_launch(elevation_deg=GIVEN)),
         _hand("mass_kg", "mass of a finger that the band moves", "M", "kg", above=0.0),
         _hand("stiffness_n_m", "spring of that finger, slack before the release", "K", "N/m", least=0.0),
         _hand("damping_n_s_m", "damper of that finger", "D", "N s/m", least=0.0),

@@ -17,6 +17,7 @@ from beadband.parameters import MOST_STEPS, PLANNED
 from beadband.planning import error_curves
 from beadband.planning.plan import STEP_SHARE, Plan, plan_of
 from beadband.planning.sampling import given, interval_s
+from beadband.planning.self_contact import SelfContact, self_contact
 from beadband.statics.chain import Array
 from beadband.statics.finger import Support, finger_loads_n, settle_on
 from beadband.statics.ring import Ring, stretched_ring
@@ -62,6 +63,8 @@ class LaunchPlan:
     idle_steps: int
     """The finger is free when it has carried nothing for so many steps."""
     flight_steps: int
+    self_contact: SelfContact | None
+    """None where parts of the band may pass through each other."""
 
     def __repr__(self) -> str:
         return f"<Launch by {self.release!r}>"
@@ -187,6 +190,8 @@ def launch_plan_of(scene: Scene) -> LaunchPlan:
         )
     frames, looks = duration / (frame_steps * timestep), duration / (rear_steps * timestep)
     reasons.append(notice("launch-frames", frames=frames, rear=looks, steps=steps))
+    touching, reason = self_contact(scene, strand, string, stiffness, timestep, rear_steps)
+    reasons += [reason] if reason else []
     if string.pause_s < 0.0:
         warnings.append(notice("hand-is-hit", value=-string.pause_s))
     planned = tuple(key for key in PLANNED if getattr(scene, key) is None or key in scene.planned)
@@ -219,6 +224,7 @@ def launch_plan_of(scene: Scene) -> LaunchPlan:
         rear_steps=rear_steps,
         idle_steps=rear_steps * max(2, math.ceil(_IDLE_SHARE * string.finger_free_s / (rear_steps * timestep))),
         flight_steps=flight,
+        self_contact=touching,
     )
 
 

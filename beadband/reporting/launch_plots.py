@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from beadband.analysis.readers import Trajectory
 from beadband.model.launch_string import finger_force_n
-from beadband.reporting.plots import BLUE, GREY, ORANGE, Panels, draw_panels, shapes, shares
+from beadband.reporting.plots import BLUE, GREEN, GREY, ORANGE, Panels, draw_panels, shapes, shares
 from beadband.reporting.style import SCREEN, Style
 from beadband.reporting.summary import title_of
 
@@ -32,11 +32,13 @@ def draw(done: Launch, ring: Trajectory, folder: str | os.PathLike[str], style: 
 
 
 def _pause(axes: Any, done: Launch) -> None:
-    """Shade the time from the finger's freedom to the rear's arrival."""
+    """Shade the time from the finger's freedom to the rear's arrival; a line marks when the band touches itself."""
     found = done.found
     if found.finger_free_s is not None and found.rear_arrival_s is not None:
         span = found.finger_free_s * 1e3, found.rear_arrival_s * 1e3
         axes.axvspan(*span, color=_SAND, zorder=0, label=f"pause: {span[1] - span[0]:.3g} ms")
+    if done.self_touch_s is not None:
+        axes.axvline(done.self_touch_s * 1e3, color=GREEN, linewidth=1.0, linestyle=":", label="touches itself")
 
 
 def finger(axes: Any, done: Launch) -> None:

@@ -156,6 +156,14 @@ function paint(canvas, width, height, density, t, ink) {
     context.stroke();
   }
 
+  // Where parts of the band touch each other.
+  context.strokeStyle = ink.soft; context.lineWidth = 1.5;
+  for (const [px, py] of story.touches_m[share < 0.5 ? low : high] ?? []) {
+    context.beginPath();
+    context.arc(left + zoom * (px - box.x0), top + zoom * (box.y0 + box.height - py), thick + 4, 0, 2 * Math.PI);
+    context.stroke();
+  }
+
   // A bar to measure with.
   const bar = roundBelow(box.width / 4), ends = [10, 10 + zoom * bar];
   context.strokeStyle = context.fillStyle = ink.soft; context.lineWidth = 1.5; context.lineCap = "butt";

@@ -86,7 +86,7 @@ def by_formula(values: Mapping[str, Any], quantity: str) -> Looked:
         raise UsageError(explain("there is nothing to ask", f"arrays of shape {shape}", "one scene or more", "add one"))
     value, error = np.zeros(size), np.full(size, np.inf)
     for chosen, scene, varied in alike(plain, flat, size):
-        if by_formula(scene):
+        if has_formula(scene):
             found = formula(scene, quantity, varied)
             value[chosen], error[chosen] = found.value, found.error
     tolerance = _checked(TABLE["tolerance"], flat["tolerance"]) if "tolerance" in flat else scene.tolerance
@@ -220,11 +220,11 @@ def _base(rest: tuple[tuple[str, Any], ...], varied: tuple[tuple[str, Any], ...]
         if len(_bases) >= _MOST_BASES:
             _bases.clear()
         scene = scene_of(dict((*rest, *varied)))
-        _bases[key] = scene if by_formula(scene) else None
+        _bases[key] = scene if has_formula(scene) else None
     return _bases[key]
 
 
-def by_formula(scene: Scene) -> bool:
+def has_formula(scene: Scene) -> bool:
     """Whether scenes that differ from this one in sizes, strain and angle have answers by one evaluation."""
     question_of(scene, "speed")
     return shares_law(scene) and not (scene.errors or scene.covariance or scene.auto_tolerance or scene.tip_radius_m)

@@ -20,7 +20,7 @@ from beadband.model.scene import Scene, scene_of
 from beadband.model.string_arrays import arrays_of, string_limits
 from beadband.model.wedge import published_ratio, wave_speeds
 from beadband.parameters import TABLE
-from beadband.runs.ask_many import by_formula, kinds_among
+from beadband.runs.ask_many import has_formula, kinds_among
 from beadband.studies.sweep.grid import Grid, Values
 
 WAYS = ("cheapest", "runs")
@@ -130,7 +130,7 @@ def _first(scenes: Sequence[Values]) -> Scene | None:
     for values in scenes[:: -(-len(scenes) // _MOST_TRIES)]:
         try:
             scene = scene_of(dict(values))
-            return scene if scene.purpose == "speed" and by_formula(scene) else None
+            return scene if scene.purpose == "speed" and has_formula(scene) else None
         except BeadbandError:
             continue
     return None
