@@ -13,7 +13,7 @@ from beadband.model.validity import outside_test
 from beadband.notices import Notice, notice
 from beadband.parameters import MOST_STEPS, PLANNED
 from beadband.planning import error_curves
-from beadband.planning.plan import STEP_SHARE, Plan, plan_of
+from beadband.planning.plan import STEP_SHARE, Plan, plan_of, round_up
 from beadband.planning.sampling import given, interval_s
 from beadband.statics.finger import Support, finger_loads_n, settle_on
 from beadband.statics.ring import Ring, stretched_ring
@@ -29,6 +29,9 @@ CORE_DEPTH = 0.5
 SHORTEST_STRETCH = 0.05
 """Where the bond table of a launch begins: fronts that meet compress the band as no release does."""
 _LEAST_COMPRESSION = 0.35  # measured: the deepest of the linear law at a strain of 1.4, whose beads buckle aside
+SMOOTH_LOSS = 15.0
+"""What the numerical loss takes from the efficiency where the law unloads without a shock, times beads^2 over the ratio
+of circumference to thickness: 10 to 16 in launches of the linear law (all bands, strains 0.2 to 0.7)."""
 CAP = 3.0
 """Longest run, in units of what the string takes to be free and for its rear to arrive."""
 FRAMES = 100
@@ -37,7 +40,10 @@ _MOST_REAR_STEPS = 16  # the contact bounces in no less: its depth must not be m
 _IDLE_SHARE = 0.03
 _APPROACH = 1.5
 _NOSE = 0.5
-_GRAZE = 0.4  # speed of a graze over that of the rear; measured depths then stay below the bound
+_GRAZE, _MOST_GRAZE = 0.4, 1.2
+"""Speed at which a bead is thrown against the finger, over the rear's: without a pause, and at most. The longer the
+band flies beside the finger the faster is its hardest graze; measured over the launch map: up to 0.4 where there is no
+pause, 0.6 in one of a quarter of the time on the finger, 1.15 in longer ones."""
 
 
 @dataclass(frozen=True)
@@ -132,16 +138,23 @@ def launch_plan_of(scene: Scene) -> LaunchPlan:
     """Choose what the scene leaves open; UsageError for a choice of the user's that can't work."""
     # Beads and loss as the release takes them; a step that was chosen for the launch does not suit the release.
     bare = replace(scene, until="release", finger="stays", flight_s=0.0)
-    release = plan_of(replace(bare, timestep_s=None, frames=None, steps=None, rear_steps=None))
+    bare = replace(bare, timestep_s=None, frames=None, steps=None, rear_steps=None)
+    release = plan_of(bare)
+    needed = SMOOTH_LOSS * scene.band.circumference_m / (scene.band.thickness_m * release.scene.tolerance)
+    enough = [one for one in release.reasons if one.code.startswith("beads-for")]
+    if scene.beads is None and not scene.string.wave.shocks and release.beads < math.sqrt(needed):
+        release = plan_of(replace(bare, beads=round_up(math.sqrt(needed))))
+        enough = [notice("beads-for-launch", beads=release.beads, limit=100.0 * release.scene.tolerance)]
     strand, string = release.strand, string_launch(scene)
-    reasons = [one for one in release.reasons if one.code not in ("step", "frames")]
+    reasons = [*enough, *(one for one in release.reasons if one not in enough and one.code not in ("step", "frames"))]
     warnings = list(release.warnings)
 
     compression = min(_meeting_stretch(scene), 1.0)
     warnings += outside_test(scene, compression)
     largest = strand.largest_step_s(release.loss_time_s, scene.strain, compression)
     target = scene.timestep_s or min(release.timestep_s, STEP_SHARE * largest)
-    stiffness, limit = _contact(scene, strand, release.beads, target, largest, scene.timestep_s is None)
+    graze = min(_MOST_GRAZE, _GRAZE + max(0.0, string.pause_s / string.finger_free_s)) * scene.string.rear_speed_m_s
+    stiffness, limit = _contact(scene, strand, release.beads, target, largest, graze, scene.timestep_s is None)
     timestep = scene.timestep_s or min(target, STEP_SHARE * limit)
     if timestep > limit:
         raise UsageError(
@@ -216,7 +229,7 @@ def _meeting_stretch(scene: Scene) -> float:
 
 
 def _contact(
-    scene: Scene, strand: Strand, beads: int, step_s: float, largest_s: float, free: bool
+    scene: Scene, strand: Strand, beads: int, step_s: float, largest_s: float, graze_m_s: float, free: bool
 ) -> tuple[float, float]:
     """Stiffness of the finger for one bead, N/m, and the largest step with it.
 
@@ -227,8 +240,7 @@ def _contact(
     needed = float(finger_loads_n(ring, strand).max()) / (HELD_DEPTH * scene.band.thickness_m)
     mass, held = strand.bead_mass_kg, 1.0 + scene.strain
     # A wave in a leg throws beads against the finger: one at the speed v goes in by v sqrt(mass/stiffness).
-    graze = _GRAZE * scene.string.rear_speed_m_s
-    needed = max(needed, mass * (graze / (DEPTH_BOUND * scene.band.thickness_m)) ** 2)
+    needed = max(needed, mass * (graze_m_s / (DEPTH_BOUND * scene.band.thickness_m)) ** 2)
     # A bead on the finger moves across the strand, which resists by its bending and by its tension.
     bending = (4.0 * strand.bending_diffusivity_m2_s / (strand.spacing_m**2 * min(1.0, held))) ** 2
     pull = 4.0 * strand.law.stress(held) / (held * strand.density_kg_m3 * strand.spacing_m**2)

@@ -235,7 +235,7 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
         spacing = error_curves.curvature_spacing_m(scene)
         for_curvature = length / spacing
         if wanted < for_curvature <= MOST_PLANNED_BEADS:
-            beads = _round_up(for_curvature)
+            beads = round_up(for_curvature)
             reasons.append(
                 notice(
                     "beads-for-curvature",
@@ -243,7 +243,7 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
                     layer_mm=layer * 1e3,
                     value=spacing / layer,
                     spacing_mm=spacing * 1e3,
-                    for_speed=_round_up(wanted),
+                    for_speed=round_up(wanted),
                 )
             )
             return beads
@@ -255,7 +255,7 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
         warnings.append(
             notice("speed-needs-more-beads", value=wanted, tolerance=100.0 * scene.tolerance, limit=MOST_PLANNED_BEADS)
         )
-    beads = _round_up(min(wanted, MOST_PLANNED_BEADS))
+    beads = round_up(min(wanted, MOST_PLANNED_BEADS))
     reasons.append(
         notice(
             "beads-for-speed",
@@ -268,7 +268,7 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
     return beads
 
 
-def _round_up(beads: float) -> int:
+def round_up(beads: float) -> int:
     """To a number whose half is even, so that the coarse run has it too; a round one where that costs little."""
     step = 20 if beads > 200.0 else 4
     return step * math.ceil(beads / step)
