@@ -14,10 +14,10 @@ import math
 from beadband.model.roots import root
 from beadband.model.scene import Scene
 
-SHARE_OF_TOLERANCE = 0.7
+SHARE_OF_TOLERANCE = 0.5
 """Share of the tolerance that the curve may take: the bar that is stated joins it with the error of the fit and the
-difference to the coarse run. With all of it 5 % of random scenes state a bar within a tolerance of 0.5 %, with this
-share 78 %."""
+difference to the coarse run. With all of it 5 % of random scenes state a bar within a tolerance of 0.5 %; of a sweep of
+1,008 scenes 65 % with a share of 0.7, and 93 % with this one, for a tenth more of its time."""
 LEAST_RESOLUTION = 12.0
 """Beads in the rear from which on the curve of the speed is known."""
 
