@@ -28,6 +28,7 @@ CORE_DEPTH = 0.5
 """Depth over the thickness beyond which the contact counts as broken through, and LAMMPS stops."""
 SHORTEST_STRETCH = 0.05
 """Where the bond table of a launch begins: fronts that meet compress the band as no release does."""
+_NEARLY_NOTHING = 0.2
 _LEAST_COMPRESSION = 0.35  # measured: the deepest of the linear law at a strain of 1.4, whose beads buckle aside
 SMOOTH_LOSS = 15.0
 """What the numerical loss takes from the efficiency where the law unloads without a shock, times beads^2 over the ratio
@@ -139,11 +140,12 @@ def launch_plan_of(scene: Scene) -> LaunchPlan:
     # Beads and loss as the release takes them; a step that was chosen for the launch does not suit the release.
     bare = replace(scene, until="release", finger="stays", flight_s=0.0)
     bare = replace(bare, timestep_s=None, frames=None, steps=None, rear_steps=None)
-    release = plan_of(bare)
+    smooth = not _collapses(scene)
+    release = plan_of(bare, smooth=smooth)
     needed = SMOOTH_LOSS * scene.band.circumference_m / (scene.band.thickness_m * release.scene.tolerance)
     enough = [one for one in release.reasons if one.code.startswith("beads-for")]
     if scene.beads is None and not scene.string.wave.shocks and release.beads < math.sqrt(needed):
-        release = plan_of(replace(bare, beads=round_up(math.sqrt(needed))))
+        release = plan_of(replace(bare, beads=round_up(math.sqrt(needed))), smooth=smooth)
         enough = [notice("beads-for-launch", beads=release.beads, limit=100.0 * release.scene.tolerance)]
     strand, string = release.strand, string_launch(scene)
     reasons = [*enough, *(one for one in release.reasons if one not in enough and one.code not in ("step", "frames"))]
@@ -212,18 +214,31 @@ def launch_plan_of(scene: Scene) -> LaunchPlan:
     )
 
 
+def _collapses(scene: Scene) -> bool:
+    """Whether no bond at a stretch of :data:`_NEARLY_NOTHING` stops strands that run at each other: only loss helps.
+
+    The linear law's stress stays finite down to no length: with little loss its launches collapsed at a strain of 1.0,
+    and were sound at 0.8.
+    """
+    return _jump_pa(scene, _NEARLY_NOTHING) < scene.band.density_kg_m3 * scene.string.leg_speed_m_s**2
+
+
+def _jump_pa(scene: Scene, stretch: float) -> float:
+    """(stress1 - stress)(stretch1 - stretch), from the string's state behind the fronts."""
+    behind = 1.0 + scene.string.residual_strain
+    return (scene.string.residual_stress_pa - float(scene.material.stress(stretch))) * (behind - stretch)
+
+
 def _meeting_stretch(scene: Scene) -> float:
     """Stretch to which two strands running at each other at u are compressed, if they stay straight.
 
     The jump condition density u^2 = (stress1 - stress)(stretch1 - stretch) with the string's state behind the fronts.
     Measured bonds come within some hundredths of it, and stay longer where they can buckle aside.
     """
-    string, law, density = scene.string, scene.material, scene.band.density_kg_m3
-    behind = 1.0 + string.residual_strain
+    behind = 1.0 + scene.string.residual_strain
     for i in range(200):
         stretch = behind - (behind - _LEAST_COMPRESSION) * i / 199.0
-        jump = (string.residual_stress_pa - float(law.stress(stretch))) * (behind - stretch)
-        if jump > density * string.leg_speed_m_s**2:
+        if _jump_pa(scene, stretch) > scene.band.density_kg_m3 * scene.string.leg_speed_m_s**2:
             return stretch
     return _LEAST_COMPRESSION
 

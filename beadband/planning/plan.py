@@ -109,11 +109,12 @@ class Plan:
         return error_curves.disk_bytes(self.beads, self.frames, self.steps // self.rear_steps)
 
 
-def plan_of(scene: Scene, model: str = "ring") -> Plan:
+def plan_of(scene: Scene, model: str = "ring", smooth: bool = True) -> Plan:
     """Plan a release: choose what the scene leaves open; UsageError for a choice of the user's that can't work.
 
     ``model`` is "ring" where the whole trajectory is wanted, and "leg" for numbers alone: where one leg won't do the
-    ring is taken all the same. A launch is planned by :func:`beadband.planning.plan_scene`.
+    ring is taken all the same. A law that unloads without a shock gets less loss, unless ``smooth`` is false. A launch
+    is planned by :func:`beadband.planning.plan_scene`.
     """
     if scene.until == "launch":
         raise UsageError(explain("this plans releases only", "until launch", "until release", "use beadband.plan"))
@@ -130,7 +131,7 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     strand = scene.strand(beads)
     if viscous_front_m(scene) > max(WIDEST_FRONT * length, 2.0 * strand.spacing_m):
         model = "ring"
-    loss_time, loss_beads = _choose_loss(scene, strand, reasons)
+    loss_time, loss_beads = _choose_loss(scene, strand, smooth, reasons)
     compression = _compression(scene, loss_beads, warnings)
     largest = strand.largest_step_s(loss_time, scene.strain, compression)
     if scene.timestep_s is not None and scene.timestep_s > largest:
@@ -274,7 +275,7 @@ def round_up(beads: float) -> int:
     return step * math.ceil(beads / step)
 
 
-def _choose_loss(scene: Scene, strand: Strand, reasons: list[Notice]) -> tuple[float, float]:
+def _choose_loss(scene: Scene, strand: Strand, smooth: bool, reasons: list[Notice]) -> tuple[float, float]:
     """Loss time in s, and the viscous stress of a front over that of its inertia between two beads.
 
     The loss time is defined by E, which need not be the law's.
@@ -284,7 +285,7 @@ def _choose_loss(scene: Scene, strand: Strand, reasons: list[Notice]) -> tuple[f
     if scene.loss_time_s is not None:
         return scene.loss_time_s, scene.loss_time_s / front_loss_s
     resolution = scene.scales.rear_length_m / strand.spacing_m
-    if scene.string.wave.shocks or resolution <= SMOOTH_RESOLUTION:
+    if scene.string.wave.shocks or not smooth or resolution <= SMOOTH_RESOLUTION:
         reasons.append(notice("loss", value=LOSS_BEADS * front_loss_s, limit=LOSS_BEADS))
         return LOSS_BEADS * front_loss_s, LOSS_BEADS
     loss_beads = LOSS_BEADS * SMOOTH_RESOLUTION / resolution

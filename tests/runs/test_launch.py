@@ -33,12 +33,15 @@ from beadband.model.scenefile import read_scene
 from beadband.observables import error_key
 from beadband.planning import launch_plan
 from beadband.planning.launch_plan import DEPTH_BOUND, LaunchPlan, launch_plan_of
+from beadband.planning.plan import plan_of
 from beadband.reporting import summary
 from beadband.runs import dispatch, launch
 from beadband.runs import folder as files
 from beadband.runs.launch_results import Launch
 from beadband.statics.finger import finger_loads_n, settle_on
 from beadband.statics.ring import WRAPPED, stretched_ring
+
+LAUNCH: dict[str, Any] = {"until": "launch"}
 
 
 @cache
@@ -390,3 +393,27 @@ def test_damaged_files_are_refused(stays: tuple[Launch, Path], tmp_path: Path) -
 def test_steps_beyond_stability_are_refused() -> None:
     with pytest.raises(UsageError, match="stability"):
         launch_plan_of(scene_of({"until": "launch", "beads": 160, "timestep_s": 1e-4}))
+
+
+def test_strands_that_would_compress_each_other_to_nothing_keep_their_loss() -> None:
+    """The linear law from strains of about 0.9 on; a stiffening compression stops them, and less loss will do."""
+    share = {}
+    for law, strain in (("linear", 0.7), ("linear", 1.0), ("mooney-rivlin", 1.0)):
+        plan = launch_plan_of(scene_of({"law": law, "strain": strain, "half_angle_deg": 10.0, "beads": 200} | LAUNCH))
+        front_s = plan.strand.spacing_m * plan.scene.band.density_kg_m3 * plan.scene.string.wave.tail_speed_m_s
+        share[law, strain] = plan.release.loss_time_s * plan.scene.band.modulus_pa / front_s
+    assert share["linear", 0.7] < 0.9 * share["linear", 1.0]
+    assert share["linear", 1.0] == pytest.approx(share["mooney-rivlin", 1.0])
+    _, found, _ = launched(law="linear", strain=1.0, half_angle_deg=10.0, beads=200)
+    assert found.shortest_stretch > 0.1
+
+
+def test_a_launch_without_a_shock_has_beads_for_its_efficiency() -> None:
+    """As many as keep the loss below the tolerance, of the second order in their number; a user's own are kept."""
+    loose, tight = (
+        launch_plan_of(scene_of({"law": "linear", "band": "I", "tolerance": t} | LAUNCH)) for t in (0.02, 5e-3)
+    )
+    assert tight.beads > plan_of(scene_of({"law": "linear", "band": "I"})).beads
+    assert tight.beads == pytest.approx(2.0 * loose.beads, rel=0.1)
+    assert [one.code for one in tight.reasons if one.code.startswith("beads")] == ["beads-for-launch"]
+    assert launch_plan_of(scene_of({"law": "linear", "band": "I", "beads": 100} | LAUNCH)).beads == 100
