@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from beadband.analysis.fits import Array, Measured
 from beadband.analysis.readers import Watch
@@ -15,7 +16,7 @@ TOUCHED = 1e-3
 """Share of the held load above which a free finger counts as touched."""
 TO_COME = (0.02, 0.12)
 """Shares of the impulse still to come between which the end of the load is fitted."""
-_LATER, _EARLIER = (0.01, 0.06), (0.03, 0.2)
+_LATER, _EARLIER = (0.02, 0.06), (0.06, 0.2)
 """The same for two more fits, whose difference says how well the end of the load is defined."""
 _GROUP = 16
 """Bonds whose bounding boxes are compared as one."""
@@ -72,15 +73,20 @@ class LaunchMeasurement:
         return self.rear_arrival_s - self.finger_free_s
 
 
-def impulse_n_s(watch: Watch, timestep_s: float, line: int) -> float:
-    """Impulse of the finger on the band until a line, by the rule of the integrator itself.
+def impulse_n_s(watch: Watch, timestep_s: float, line: int = -1) -> float:
+    """Impulse of the finger on the band until a line, by the rule of the integrator itself."""
+    until = slice(None, len(watch.steps) + line + 1 if line < 0 else line + 1)
+    return verlet_integral(watch.steps[until], watch.mean_force_n[until], watch.force_n[until], timestep_s)
 
-    Velocity Verlet adds half a step of the force before and half of the one after: the sum over all steps less half
-    of the difference of the last to the first force.
+
+def verlet_integral(steps: NDArray[np.int64], means: Array, values: Array, timestep_s: float) -> float:
+    """What velocity Verlet adds up of a quantity, from its means between lines and its values at them, each (lines,).
+
+    It takes half a step of the value before and half of the one after: the sum over all steps less half of the
+    difference of the last to the first value.
     """
-    intervals = np.diff(watch.steps, prepend=0)
-    total = float(np.sum((watch.mean_force_n * intervals)[: line + 1]))
-    return timestep_s * (total - 0.5 * (float(watch.force_n[line]) - float(watch.force_n[0])))
+    total = float(np.sum(means * np.diff(steps, prepend=0)))
+    return timestep_s * (total - 0.5 * (float(values[-1]) - float(values[0])))
 
 
 def last_load(times_s: Array, mean_force_n: Array, held_n: float, idle_s: float) -> int | None:

@@ -250,6 +250,25 @@ def read_watch(path: str | os.PathLike[str]) -> Watch:
     return Watch(steps.astype(np.int64), *(np.ascontiguousarray(column) for column in columns))
 
 
+@dataclass(frozen=True)
+class HandPath:
+    """Lines of hand.dat at the steps of finger.dat, arrays of shape (lines,); SI units, X along the throw."""
+
+    steps: NDArray[np.int64]
+    x_m: Array
+    velocity_m_s: Array
+    mean_x_m: Array
+    """Mean over the steps since the line before; so are the next two."""
+    mean_velocity_m_s: Array
+    mean_square_m2_s2: Array
+
+
+def read_hand(path: str | os.PathLike[str]) -> HandPath:
+    """Read hand.dat; ReadError when it is missing or cut short."""
+    steps, *columns = _columns(path, len(fields(HandPath)), 3)
+    return HandPath(steps.astype(np.int64), *(np.ascontiguousarray(column) for column in columns))
+
+
 def _columns(path: str | os.PathLike[str], width: int, fewest: int) -> Array:
     try:
         table = np.loadtxt(path, ndmin=2)

@@ -151,6 +151,17 @@ def _throw(name: str, sentence: str, unit: str, label: str, **more: Any) -> Obse
     return Observable(key, sentence, unit, source, "number", "launch", error=True, null=True, label=label, **more)
 
 
+def _hand(name: str, sentence: str, unit: str, label: str, **more: Any) -> Observable:
+    """One of the figures of a hand."""
+    key, source = f"launch.hand.{name}", f"hand_figures.{name}"
+    return Observable(key, sentence, unit, source, "number", "launch", error=True, null=True, label=label, **more)
+
+
+def _figure(name: str, sentence: str, unit: str = "", **more: Any) -> Observable:
+    """What a designer asks: a closed form of the held band, also in the table of a sweep."""
+    return Observable(f"design.{name}", sentence, unit, f"design.{name}", column=name, **more)
+
+
 def _launch(key: str, sentence: str, unit: str, source: Source, kind: str = "number", **more: Any) -> Observable:
     """A value of a launch, or its course over time."""
     return Observable(f"launch.{key}", sentence, unit, source, kind, "launch", **more)
@@ -173,6 +184,9 @@ _TABLE: list[Observable] = [
     _ring("held.net_force", "largest net force on a free bead of the held ring, over the tension"),
     Observable("rebound_speed_m_s", _V, "m/s", "speed", error=True, column="rebound_speed_m_s",
                label="rebound speed V"),
+    Observable("late_speed_m_s", "speed of the rear tip from 0.7 to 0.85 of the front's arrival; null with few frames",
+               "m/s", null=True, column="late_speed_m_s",
+               label="late speed"),
     Observable("rebound_speed_input_error_m_s", "error of V from those of the inputs; null where none was given",
                "m/s", "input_error_m_s", null=True, label="error from the inputs"),
     Observable("inputs", "inputs with an error: name, value, error, sensitivity d ln V/d ln x, share of the variance",
@@ -207,6 +221,18 @@ _TABLE: list[Observable] = [
     Observable("series.tip_x_m", "position of the tip along the axis", "m", "rear.tip_x_m", "series"),
     Observable("series.tip_speed_m_s", "speed of the tip", "m/s", "rear.tip_speed_m_s", "series"),
     Observable("series.tip_curvature_1_m", "curvature at the tip", "1/m", "rear.tip_curvature_1_m", "series"),
+    _figure("mass_kg", "mass of the band", "kg"),
+    _figure("stored_energy_j", "energy of the held band in uniform stretch, bending left out", "J"),
+    _figure("energy_density_j_kg", "stored energy over the mass", "J/kg"),
+    _figure("tension_n", "tension of a leg of the held band, uniform stretch", "N"),
+    _figure("pull_n", "force that holds the rear, 2 T cos(half-angle)", "N"),
+    _figure("held_length_m", "length of the held band, from the rear to the far side of the finger", "m"),
+    _figure("throw_momentum_n_s", "momentum of the thrown band in the string limit; null where that has no closed form",
+            "N s", null=True),
+    _figure("throw_speed_m_s", "speed of its centre of mass in that limit", "m/s", null=True),
+    _figure("throw_efficiency", "energy of that translation over the stored energy", null=True),
+    _figure("peak_strain", "strain from which on the band can't be held, as its tension peaks or its law ends; or null",
+            null=True),
     _ring("energy.stored_j", "energy of the held band", "J", label="energy"),
     _ring("energy.hysteresis_j", "energy lost in the rubber between loading and unloading; not part of stored_j", "J",
           "scene.hysteresis_j"),
@@ -236,6 +262,15 @@ _TABLE: list[Observable] = [
     _throw("pause_s", "time between the two", "s", "pause between them", **_TIME),
     _throw("escape_speed_m_s", "radius of the finger over the pause, a scale of speed", "m/s", "scale R/pause"),
     _throw("momentum_n_s", "momentum of the band before the rear hits", "N s", "momentum of the band"),
+    _launch("hand", "what a finger that moves felt; null where it stays", "", "hand_figures", "object", null=True),
+    _launch("hand.hit", "whether the rear hits it before three times the arrival at a fixed finger", "",
+            "hand_figures.hit", "flag", label="hand hit"),
+    _hand("hit_speed_m_s", "speed of the rear against it at the hit", "m/s", "speed of the hit", absent="not hit"),
+    _hand("peak_force_n", "largest force on it up to the hit, Hann mean of 0.03 t_f to either side", "N",
+          "peak force on the hand"),
+    _hand("impulse_n_s", "impulse of the band on it from the release to the hit", "N s", "impulse on the hand"),
+    _hand("displacement_m", "its way along the throw up to the hit", "m", "way of the hand", scale=1e3, shown="mm"),
+    _hand("velocity_m_s", "its velocity at the hit", "m/s", "velocity of the hand"),
     _launch("finger_impulse_n_s", "impulse of the finger until then", "N s", "found.impulse_n_s", label="impulse"),
     _launch("finger_force_n", "force on the held finger", "N", "held_force_n", label="held force"),
     _launch("finger", "the finger, and how deep beads went into it", "", "finger", "object"),
@@ -249,6 +284,7 @@ _TABLE: list[Observable] = [
     _launch("series.t_s", "times", "s", "energy.times_s", "series"),
     _launch("series.finger_force_n", "force of the finger, mean over each interval", "N", "force_n", "series"),
     _launch("series.clearance_m", "from the rear tip to the finger's surface", "m", "clearance_m", "series"),
+    _launch("series.hand_x_m", "place of the hand along the throw", "m", "hand.path.x_m", "series", optional=True),
     _launch("series.centre_x_m", "position of the centre of mass", "m", "watch.centre_x_m", "series"),
     _launch("series.centre_speed_m_s", "speed of the centre of mass", "m/s", "centre_speed_m_s", "series"),
 ]  # fmt: skip

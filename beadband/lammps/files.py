@@ -21,6 +21,7 @@ REAR = "rear.lammpstrj"
 PATH = "rear.dat"
 ENERGY = "energy.dat"
 FINGER = "finger.dat"
+HAND = "hand.dat"
 LOG = "log.lammps"
 
 

@@ -11,6 +11,7 @@ import json
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import asdict
 from importlib.resources import files as resources
 from pathlib import Path
 from typing import Any
@@ -116,11 +117,8 @@ def as_dict(story: Story) -> dict[str, Any]:
             for scale, values in scales.values()
         ],
         "thickness_m": story.thickness_m,
-        "finger": {
-            "centre_m": story.finger.centre_m,
-            "radius_m": story.finger.radius_m,
-            "until_s": story.finger.until_s,
-        },
+        "finger": asdict(story.finger),
+        "peg": asdict(story.peg) if story.peg else None,
         "charts": [_chart(chart) for chart in story.charts],
         "results": [[_signs(name), _signs(text)] for name, text in story.results],
         "scene": story.scene,

@@ -14,6 +14,7 @@ from beadband.lammps.files import (
     DATA,
     ENERGY,
     FINGER,
+    HAND,
     LAUNCH_SCRIPT,
     LEG_SCRIPT,
     LOG,
@@ -29,10 +30,10 @@ from beadband.lammps.files import (
 
 SCENE = "scene.toml"
 RESULTS = "results.json"
-MEASURED = (SCENE, DATA, REAR, ENERGY, FINGER, TRAJECTORY)
+MEASURED = (SCENE, DATA, REAR, ENERGY, FINGER, HAND, TRAJECTORY)
 """Files from which results are made, as far as a run has them."""
 
-__all__ = ["DATA", "ENERGY", "FINGER", "LAUNCH_SCRIPT", "LEG_SCRIPT", "LOG", "PATH", "REAR", "SCRIPT", "TABLE"]
+__all__ = ["DATA", "ENERGY", "FINGER", "HAND", "LAUNCH_SCRIPT", "LEG_SCRIPT", "LOG", "PATH", "REAR", "SCRIPT", "TABLE"]
 __all__ += ["TRAJECTORY", "scratch", "write_text"]
 
 
