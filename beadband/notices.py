@@ -82,6 +82,8 @@ SENTENCES: dict[str, str] = {
     # The plan's reasons
     "beads-for-curvature": "{beads} beads: the held tip bends over a layer of {layer_mm:.3g} mm, and the tip curvature "
     "needs beads closer than {value:.2g} of it ({spacing_mm:.3g} mm); the speed alone needs {for_speed}",
+    "beads-for-launch": "{beads} beads: the numerical loss spreads a front that is no shock, and they keep what it "
+    "takes from the throw below {limit:.2g} % of its energy",
     "beads-for-speed": "{beads} beads: the moving rear is {rear_mm:.3g} mm long, and the rebound speed needs "
     "{value:.3g} beads in it for {limit:.2g} %",
     "tolerance-auto": "tolerance {value:.2g} %: a fifth of the error of V from the inputs, {limit:.2g} %; the "
