@@ -331,9 +331,9 @@ _TABLE: list[Observable] = [
     _launch("series.centre_x_m", "position of the centre of mass", "m", "watch.centre_x_m", "series"),
     _launch("series.centre_speed_m_s", "speed of the centre of mass", "m/s", "centre_speed_m_s", "series"),
     _strip("front_speed_m_s", "speed of the front in reference length: of the stretch halfway through the foremost "
-           "part of the wave", "m/s", "front_speed", error=True, null=True, label="front speed"),
+           "part of the wave", "m/s", "front_speed", error=True, null=True, label="front speed", absent="not measured"),
     _strip("arrival_s", "when the path of that front reaches the held end", "s", "arrival", error=True, null=True,
-           label="front at the held end", **_TIME),
+           label="front at the held end", **_TIME | {"absent": "not measured"}),
     _strip("reason", "why there is no front", "", "strip.no_front", kind="text", optional=True),
     _strip("exact.wave", "what the unloading wave is made of", "", "plan.string.wave.kind", kind="text", label="wave"),
     _strip("exact.recoil_speed_m_s", "recoil speed of the exact solution", "m/s", "plan.string.rear_speed_m_s"),

@@ -265,15 +265,16 @@ def _speed_chart(results: Mapping[str, Any]) -> Chart:
     times = _array(series["t_s"])
     window = np.array(SPEED_WINDOW) * results["front_arrival_s"]
     ends = times[[0, -1]]
+    end, limit = ("released end", "exact") if "strip" in results else ("rear tip", "string limit (EI → 0)")
     curves = [
-        Curve("rear tip", times, _array(series["tip_speed_m_s"])),
-        Curve("string limit (EI → 0)", ends, np.full(2, results["string_speed_m_s"]), "dashed"),
+        Curve(end, times, _array(series["tip_speed_m_s"])),
+        Curve(limit, ends, np.full(2, results["string_speed_m_s"]), "dashed"),
         Curve("V, slope of the path", window, np.full(2, speed), "bold"),
     ]
     moving = (results.get("launch") or {}).get("series") or {}
     if moving.get("centre_speed_m_s"):
         curves.insert(1, Curve("centre of mass", _array(moving["t_s"]), _array(moving["centre_speed_m_s"])))
-    return Chart("speed", "Speed of the rear tip", "m/s", tuple(curves))
+    return Chart("speed", f"Speed of the {end}", "m/s", tuple(curves))
 
 
 def _curvature_chart(results: Mapping[str, Any]) -> Chart:

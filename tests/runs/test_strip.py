@@ -149,6 +149,18 @@ def test_the_formula_of_a_strip_is_exact_for_one_and_for_many() -> None:
     assert back.value == pytest.approx(0.4, rel=1e-6)
 
 
+def test_errors_of_inputs_need_no_run_but_where_the_material_has_a_loss() -> None:
+    """V ~ strain sqrt(E/density) for the linear law: the derivatives are 1, 1/2 and -1/2, by formula and by runs."""
+    given = {"shape": "strip", "law": "linear", "beads": 60, "strain": "0.4 +/- 2%", "modulus_pa": "1.1e6 +/- 3%"}
+    for own, most in (({}, 0), ({"loss_time_s": 3e-5}, 8)):
+        run = beadband.run(scene_of({**given, **own, "density_kg_m3": "1300 +/- 2%"}))
+        assert run.inputs is not None
+        assert run.inputs.legs <= most
+        found = dict(zip(run.inputs.inputs.names, run.inputs.sensitivities.tolist(), strict=True))
+        expected = {"strain": 1.0, "modulus_pa": 0.5, "density_kg_m3": -0.5}
+        assert found == pytest.approx(expected, abs=0.02 if own else 1e-3)
+
+
 def test_a_permanent_set_ends_the_unloading_above_rest(tmp_path: Path) -> None:
     """An unloading curve that reaches zero at a stretch of 1.1: there the wave ends, and the released end stays so."""
     stretch = np.linspace(1.0, 2.0, 21)
