@@ -166,6 +166,8 @@ SENTENCES: dict[str, str] = {
     "is no pause, the hand is hit",
     "hand-hit": "the rear hits the hand at {value:.2f} m/s, after {time_s:.4g} s and {way_mm:.3g} mm of its way",
     "hand-not-hit": "the rear did not hit the hand within {limit:g} times its arrival at a fixed finger",
+    "hand-hit-unsure": "with {beads} beads the hand is {other}: it is close to the line between hit and not hit, and "
+    "what it felt has no error",
     "finger-not-cleared": "the finger was never free of load and was not taken away: the flight is left out",
     "touched-again": "the band touched the free finger again, {count} time(s) from {start_s:.4g} s on, and {way} "
     "{value:2p} of its momentum",

@@ -52,9 +52,12 @@ class HandRun:
     def figures(self, beads: int, coarse: tuple[int, HandMeasurement] | None, floor: float) -> dict[str, Any]:
         """The figures by their names, with the error that a launch with other beads gives them, as in a launch's.
 
-        ``floor`` is the relative error expected of the rebound speed.
+        ``floor`` is the relative error expected of the rebound speed. A coarse launch that differs in whether the hand
+        is hit gives none.
         """
         found: dict[str, Any] = asdict(self.found)
+        if coarse is not None and coarse[1].hit != self.found.hit:
+            return found
         for name in _FIGURES if self.motion.mass_kg is not None else _FIGURES[:3]:
             value, other = found[name], coarse and getattr(coarse[1], name)
             if value is not None and other is not None and coarse is not None:
@@ -69,14 +72,15 @@ class HandRun:
         apart = abs(self.momentum_n_s - self.given_n_s) / abs(band_momentum_n_s)
         return {"hand": Check("hand-unbalanced", apart, momentum_limit(int(self.path.steps[-1])))}
 
-    def remarks(self) -> list[Notice]:
-        """Whether it is hit."""
-        found = self.found
+    def remarks(self, coarse: tuple[int, HandMeasurement] | None) -> list[Notice]:
+        """Whether it is hit, and whether the beads decide that."""
+        found, more = self.found, []
+        if coarse is not None and coarse[1].hit != found.hit:
+            more = [notice("hand-hit-unsure", beads=coarse[0], other="hit" if coarse[1].hit else "not hit")]
         if not found.hit:
-            return [notice("hand-not-hit", limit=LATEST_HIT)]
-        return [
-            notice("hand-hit", value=found.hit_speed_m_s, time_s=found.hit_s, way_mm=1e3 * found.displacement_m),
-        ]
+            return [notice("hand-not-hit", limit=LATEST_HIT), *more]
+        way = 1e3 * found.displacement_m
+        return [notice("hand-hit", value=found.hit_speed_m_s, time_s=found.hit_s, way_mm=way), *more]
 
 
 def hand_run(folder: Path, plan: LaunchPlan, ring: Ring, support: Support, watch: Watch) -> HandRun | None:

@@ -34,6 +34,7 @@ RUNGS: dict[str, Callable[[], list[Check]]] = {
         ("string", "stringlimit"),
         ("orders", "orders"),
         ("conservation", "conservation"),
+        ("hand", "hand"),
     )
 }
 """The rungs in the order in which they build on each other."""
