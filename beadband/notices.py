@@ -84,6 +84,7 @@ SENTENCES: dict[str, str] = {
     "needs beads closer than {value:.2g} of it ({spacing_mm:.3g} mm); the speed alone needs {for_speed}",
     "beads-for-speed": "{beads} beads: the moving rear is {rear_mm:.3g} mm long, and the rebound speed needs "
     "{value:.3g} beads in it for {limit:.2g} %",
+    "beads-for-hand": "{beads} beads: the peak force on the hand needs them",
     "tolerance-auto": "tolerance {value:.2g} %: a fifth of the error of V from the inputs, {limit:.2g} %; the "
     "usual 0.5 % would take {saved:.2g} times the beads for V",
     "loss": "loss time {value:.3g} s: {limit} of the front's time from bead to bead, enough to give it a smooth "

@@ -9,6 +9,7 @@ import numpy as np
 
 from beadband.errors import UsageError, explain
 from beadband.model.calibration import Strand
+from beadband.model.hand import KEYS as HAND
 from beadband.model.launch_string import StringLaunch, string_launch
 from beadband.model.scene import Scene
 from beadband.model.validity import outside_test
@@ -32,6 +33,8 @@ CORE_DEPTH = 0.5
 SHORTEST_STRETCH = 0.05
 """Where the bond table of a launch begins: fronts that meet compress the band as no release does."""
 _LEAST_COMPRESSION = 0.35  # measured: the deepest of the linear law at a strain of 1.4, whose beads buckle aside
+BEADS_FOR_HAND = 560
+"""Fewest planned beads where a hand moves: with 280 the peak force on it is 3 to 7 % too high on short thick bands."""
 CAP = 3.0
 """Longest run, in units of what the string takes to be free and for its rear to arrive."""
 FRAMES = 100
@@ -155,9 +158,14 @@ def launch_plan_of(scene: Scene) -> LaunchPlan:
     """Choose what the scene leaves open; UsageError for a choice of the user's that can't work."""
     # Beads and loss as the release takes them; a step that was chosen for the launch does not suit the release.
     bare = replace(scene, until="release", finger="stays", flight_s=0.0)
-    release = plan_of(replace(bare, timestep_s=None, frames=None, steps=None, rear_steps=None))
+    bare = replace(bare, timestep_s=None, frames=None, steps=None, rear_steps=None, **dict.fromkeys(HAND))
+    release = plan_of(bare)
+    enough: list[Notice] = []
+    if scene.hand is not None and scene.beads is None and release.beads < BEADS_FOR_HAND:
+        release = plan_of(replace(bare, beads=BEADS_FOR_HAND))
+        enough = [notice("beads-for-hand", beads=BEADS_FOR_HAND)]
     strand, string = release.strand, string_launch(scene)
-    reasons = [one for one in release.reasons if one.code not in ("step", "frames")]
+    reasons = [*enough, *(one for one in release.reasons if one.code not in ("step", "frames"))]
     warnings = list(release.warnings)
 
     compression = min(_meeting_stretch(scene), 1.0)

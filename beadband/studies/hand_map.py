@@ -161,13 +161,14 @@ def draw(points: Sequence[HandPoint], line: Sequence[LinePoint], path: Path) -> 
     masses, springs = (sorted({getattr(one, name) for one in points}) for name in ("mass_kg", "stiffness_n_m"))
     figure, axes = pyplot.subplots(figsize=(2.2 + 0.62 * len(masses), 1.8 + 0.45 * len(springs)), layout="constrained")
     grid = np.full((len(springs), len(masses)), math.nan)
+    fastest = max((one.hit_speed_m_s or 0.0 for one in points), default=0.0)
     for one in points:
         row, column = springs.index(one.stiffness_n_m), masses.index(one.mass_kg)
         text = "–" if one.hit is None else "not hit"
         if one.hit_speed_m_s is not None:
             grid[row, column] = one.hit_speed_m_s
             text = f"{one.hit_speed_m_s:.1f}"
-        dark = one.hit_speed_m_s is not None and one.hit_speed_m_s < 0.5 * np.nanmax(grid)
+        dark = one.hit_speed_m_s is not None and one.hit_speed_m_s < 0.5 * fastest
         axes.text(column, row, text, ha="center", va="center", fontsize=7, color="#ffffff" if dark else "#202020")
     image = axes.imshow(grid, origin="lower", aspect="auto", cmap="viridis", vmin=0.0)
     places = np.log(masses)
@@ -176,8 +177,8 @@ def draw(points: Sequence[HandPoint], line: Sequence[LinePoint], path: Path) -> 
         return float(np.interp(math.log(mass), places, np.arange(len(masses)), left=-0.5, right=len(masses) - 0.5))
 
     for row, spring in enumerate(springs):
-        for one in (each for each in line if each.stiffness_n_m == spring):
-            axes.plot([across(one.mass_kg)] * 2, [row - 0.5, row + 0.5], color="#D55E00", linewidth=2.5)
+        for edge in (each for each in line if each.stiffness_n_m == spring):
+            axes.plot([across(edge.mass_kg)] * 2, [row - 0.5, row + 0.5], color="#D55E00", linewidth=2.5)
     low, high = (across(mass) for mass in DIGIT_KG)
     if high > low:
         axes.annotate("", (low, len(springs) - 0.4), (high, len(springs) - 0.4), annotation_clip=False,

@@ -29,7 +29,7 @@ SCENES: tuple[dict[str, float | str], ...] = (
     {"hand_mass": 0.1, "law": "linear"},
     {"hand_mass": 0.05, "hand_stiffness": 5000.0, "band": "II"},
     {"hand_mass": 0.01, "hand_damping": 5.0, "band": "I"},
-    {"hand_mass": 0.01, "hand_stiffness": 1000.0, "band": "circular", "strain": 0.3, "half_angle": 10.0},
+    {"hand_mass": 0.01, "hand_stiffness": 1000.0, "band": "circular"},
     {"hand_mass": 0.01, "hand_stiffness": 20000.0, "law": "linear", "strain": 0.3},
     {"hand_mass": 0.02, "hand_preload": 6.0, "strain": 0.6},
 )
@@ -65,7 +65,7 @@ def by_elements(scene: Scene, elements: int, loss_time_s: float) -> dict[str, fl
     hit_s = float(np.interp(0.0, -found.gap_m[-2:], times[-2:]))
     late = times >= hit_s - 0.25 * arrival
     # The blow of the rear has begun in the last lines.
-    before = int(np.searchsorted(times, hit_s - 0.002 * arrival))
+    before = int(np.searchsorted(times, hit_s - 0.01 * arrival))
     middles, force_n = 0.5 * (times[1:] + times[:-1]), np.diff(found.impulse_n_s[:, 0]) / np.diff(times)
     half = 0.03 * arrival
     peak = 0.0

@@ -34,7 +34,8 @@ def _string() -> list[Check]:
     for law in laws_of("III"):
         scene = scene_of(_SCENE | {"law": law, "bending_scale": 1e-4, "hand_mass_kg": 0.1})
         plan, _, _, moved = follow_hand(scene)
-        way, string = hand_under_string(scene, moved.path.steps * plan.timestep_s), hit_by_string(scene)
+        times = np.asarray(moved.path.steps * plan.timestep_s, dtype=np.float64)
+        way, string = hand_under_string(scene, times), hit_by_string(scene)
         apart = float(np.abs(moved.path.x_m - way).max()) / float(way[-1])
         found = moved.found
         checks += [
