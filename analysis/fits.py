@@ -37,8 +37,10 @@ class Measured(NamedTuple):
         return Measured(self.value * factor, self.error * abs(factor))
 
 
-def slope(times_s: Array, values: Array, start_s: float, end_s: float) -> Measured:
+def slope(times_s: Array, values: Array, start_s: float, end_s: float, degree: int = 1) -> Measured:
     """Slope of a straight line through values (frames,) from ``start_s`` to ``end_s``, by least squares.
+
+    Residuals are those of the line, or of a polynomial of this ``degree`` where values are known to bend smoothly.
 
     Its standard error takes the number of independent residuals from their lag-1 correlation, since those of a
     ringing tip are strongly correlated. ValueError for fewer than four points.
@@ -53,6 +55,9 @@ def slope(times_s: Array, values: Array, start_s: float, end_s: float) -> Measur
     spread = float(np.sum((t - mean) ** 2))
     rate = float(np.sum((t - mean) * v) / spread)
     residual = v - v.mean() - rate * (t - mean)
+    if degree > 1:
+        place = (t - mean) / (t[-1] - t[0])
+        residual = residual - np.polyval(np.polyfit(place, residual, degree), place)
     power = float(np.sum(residual**2))
     variance = power / (len(t) - 2)
     lag = float(np.sum(residual[1:] * residual[:-1])) / power if power > 0.0 else 0.0

@@ -247,7 +247,7 @@ def sweep(arguments: Namespace) -> int:
     from beadband.studies.sweep.grid import grid_of, read_grid
 
     values = read_grid(arguments.grid) if arguments.grid is not None else {}
-    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed)
+    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed, arguments.sample)
     out = arguments.out if arguments.out is not None else "sweep"
     with _bar("scene") as follow:
         done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)
@@ -260,6 +260,29 @@ def sweep(arguments: Namespace) -> int:
             refused = "failed" not in done.summary["status"]
             raise (UsageError if refused else RunError)(f"no scene of the sweep has a result; the first: {first}")
     return 0
+
+
+def sensitivity(arguments: Namespace) -> int:
+    """Say which input's range decides the answer."""
+    from beadband.reporting import design_report
+    from beadband.runs import folder
+    from beadband.studies.design import ranges
+    from beadband.studies.design import sensitivity as study
+
+    found = study.sensitivity(
+        scene_values(arguments),
+        vary=ranges.vary_of(arguments.vary),
+        spanned=arguments.spans.split(",") if arguments.spans else (),
+        quantity=arguments.quantity,
+        points=study.POINTS if arguments.points is None else arguments.points,
+        seed=arguments.seed,
+    )
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("sensitivity"))
+    found.write(out)
+    design_report.draw_sensitivity(found, out)
+    print(json.dumps(found.as_dict(), indent=1) if arguments.json else design_report.sensitivity(found))
+    print(f"table and picture in {out}", file=sys.stderr)
+    return _noted(found.warnings)
 
 
 @contextmanager

@@ -99,6 +99,10 @@ SENTENCES: dict[str, str] = {
     "{string:.4g} m/s",
     "bending-for-speed": "bending is kept: it rounds the kinks, and spreads over {value:.3g} mm by the front's "
     "arrival, against {limit:.3g} mm of rear; without it V would be the string's, {string:.4g} m/s",
+    "on-peg": "the tip lies on a peg of {radius_mm:.3g} mm radius, {value:.2g} of each leg, and leaves it at "
+    "{angle:.3g} deg to the leg; by itself a point-held tip bends to {limit:.3g} mm",
+    "peg-at-tip": "the peg of {radius_mm:.3g} mm radius touches the tip alone, which bends to {limit:.3g} mm by itself "
+    "and is held as at a point",
     "one-leg": "one leg, {bonds} of the {beads} bonds: the other is its mirror image, and what lies beyond "
     "{value:.2f} of the leg is outside the domain of dependence; no finger, no wrapped arc, no contact",
     "whole-ring": "the whole ring, because the trajectory is written; the beads on the finger stay where they are and "
@@ -129,6 +133,8 @@ SENTENCES: dict[str, str] = {
     "band, not the limit of small loss",
     "sharp-tip": "the held tip has (curvature x half thickness) = {value:.2g}: beam theory is not accurate for it "
     "until the curvature has fallen",
+    "large-peg": "the peg is large, (radius / way of a kink up to the front's arrival) = {value:.2g} of at most "
+    "{limit:.2g}: the speed of the rear still changes while it is measured (see the late speed)",
     "thick-on-finger": "the band is thick for its finger, (half thickness / radius) = {value:.2g}: beam theory is not "
     "accurate there",
     "not-slender": "the legs are only {value:.2g} times as long as the band is thick: it is not a slender beam",
@@ -174,6 +180,9 @@ SENTENCES: dict[str, str] = {
     "{value:2p} of its momentum",
     "crosses-itself": "the band crosses itself from {value:.4g} s on: the model has no contact between its parts",
     "buckled-aside": "the compressed band buckled to one side: its rear left the axis by up to {value:.3g} m",
+    # Studies of many scenes
+    "indices-of-errors": "single values have errors of up to {value:.2g} of their standard deviation over the ranges: "
+    "the indices are in part those of these errors; lower --tolerance or widen the ranges",
     # Fits of laws to a tensile test
     "fit-undetermined": "the test does not determine {name}: its standard error is {value:.2g} of it",
     "fit-peak": "the tension of this fit peaks at a stretch of {value:.4g}, within the test, which goes to "

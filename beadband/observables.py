@@ -157,6 +157,11 @@ def _hand(name: str, sentence: str, unit: str, label: str, **more: Any) -> Obser
     return Observable(key, sentence, unit, source, "number", "launch", error=True, null=True, label=label, **more)
 
 
+def _figure(name: str, sentence: str, unit: str = "", **more: Any) -> Observable:
+    """What a designer asks: a closed form of the held band, also in the table of a sweep."""
+    return Observable(f"design.{name}", sentence, unit, f"design.{name}", column=name, **more)
+
+
 def _launch(key: str, sentence: str, unit: str, source: Source, kind: str = "number", **more: Any) -> Observable:
     """A value of a launch, or its course over time."""
     return Observable(f"launch.{key}", sentence, unit, source, kind, "launch", **more)
@@ -179,6 +184,9 @@ _TABLE: list[Observable] = [
     _ring("held.net_force", "largest net force on a free bead of the held ring, over the tension"),
     Observable("rebound_speed_m_s", _V, "m/s", "speed", error=True, column="rebound_speed_m_s",
                label="rebound speed V"),
+    Observable("late_speed_m_s", "speed of the rear tip from 0.7 to 0.85 of the front's arrival; null with few frames",
+               "m/s", null=True, column="late_speed_m_s",
+               label="late speed"),
     Observable("rebound_speed_input_error_m_s", "error of V from those of the inputs; null where none was given",
                "m/s", "input_error_m_s", null=True, label="error from the inputs"),
     Observable("inputs", "inputs with an error: name, value, error, sensitivity d ln V/d ln x, share of the variance",
@@ -213,6 +221,18 @@ _TABLE: list[Observable] = [
     Observable("series.tip_x_m", "position of the tip along the axis", "m", "rear.tip_x_m", "series"),
     Observable("series.tip_speed_m_s", "speed of the tip", "m/s", "rear.tip_speed_m_s", "series"),
     Observable("series.tip_curvature_1_m", "curvature at the tip", "1/m", "rear.tip_curvature_1_m", "series"),
+    _figure("mass_kg", "mass of the band", "kg"),
+    _figure("stored_energy_j", "energy of the held band in uniform stretch, bending left out", "J"),
+    _figure("energy_density_j_kg", "stored energy over the mass", "J/kg"),
+    _figure("tension_n", "tension of a leg of the held band, uniform stretch", "N"),
+    _figure("pull_n", "force that holds the rear, 2 T cos(half-angle)", "N"),
+    _figure("held_length_m", "length of the held band, from the rear to the far side of the finger", "m"),
+    _figure("throw_momentum_n_s", "momentum of the thrown band in the string limit; null where that has no closed form",
+            "N s", null=True),
+    _figure("throw_speed_m_s", "speed of its centre of mass in that limit", "m/s", null=True),
+    _figure("throw_efficiency", "energy of that translation over the stored energy", null=True),
+    _figure("peak_strain", "strain from which on the band can't be held, as its tension peaks or its law ends; or null",
+            null=True),
     _ring("energy.stored_j", "energy of the held band", "J", label="energy"),
     _ring("energy.hysteresis_j", "energy lost in the rubber between loading and unloading; not part of stored_j", "J",
           "scene.hysteresis_j"),

@@ -17,11 +17,11 @@ from typing import Any
 
 from beadband.errors import UsageError, explain
 
-COMMANDS = ("plan", "run", "ask", "find", "sweep", "pareto")
+COMMANDS = ("plan", "run", "ask", "find", "sweep", "sensitivity", "pareto")
 """Commands that take a scene."""
 _RUNS = ("plan", "run")
 _PLANNED = ("plan", "run", "sweep")
-_TOLERANT = ("plan", "run", "ask", "find", "sweep")
+_TOLERANT = ("plan", "run", "ask", "find", "sweep", "sensitivity")
 UNUSED = "unused-parameter"
 """Code of the error for a parameter that was given and that nothing uses."""
 FEWEST_BEADS = 24
@@ -176,7 +176,8 @@ TABLE: dict[str, Parameter] = {
         Parameter("tolerance", "number", "wanted relative error of V; auto: a fifth of its error from the inputs",
                   default=0.005, above=0.0, below=0.5, commands=_TOLERANT),
         Parameter("inputs", "word", "errors of a catalogue band: those given, or also the rounding of its printed "
-                  "digits", default="given", words=("given", "as-printed"), commands=("plan", "run", "ask")),
+                  "digits", default="given", words=("given", "as-printed"),
+                  commands=("plan", "run", "ask", "sensitivity")),
         Parameter("samples", "count", "random draws of the inputs, in addition to derivatives, for large errors",
                   default=0, least=0, most=100_000, commands=("run",), metavar="N"),
         Parameter("for", "word", "what the plan must get right", default="curvature", words=("curvature", "speed"),
@@ -184,6 +185,9 @@ TABLE: dict[str, Parameter] = {
         Parameter("bending_modulus", "word", "modulus in EI: E of the table, or E0 at rest", default="table",
                   words=("table", "rest")),
         Parameter("bending_scale", "number", "factor on EI; 0 leaves bending out", default=1.0, least=0.0),
+        Parameter("tip_radius_m", "number", "radius of the round peg that holds the tip, to the middle of the band; "
+                  "0 for a point", "r", "m", default=0.0, least=0.0, commands=_TOLERANT, only={"until": "release"},
+                  metavar="M"),
         Parameter("finger", "word", "it stays, or is taken away once it carries no load", default="stays",
                   words=("stays", "clears"), commands=_RUNS, only=_launch()),
         Parameter("flight_s", "number", "time of flight after the rear has reached the place of the finger", unit="s",

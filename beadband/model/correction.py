@@ -134,9 +134,10 @@ def features_of(
 def applies(scene: Scene) -> bool:
     """Whether the map's question is the scene's: a release whose loss vanishes, but for that of its shocks.
 
-    A launch is another question, and a loss time of the user's makes another rubber.
+    A launch is another question, a loss time of the user's makes another rubber, and a peg another held shape.
     """
-    return scene.until == "release" and (scene.loss_time_s is None or "loss_time_s" in scene.planned)
+    numerical = scene.loss_time_s is None or "loss_time_s" in scene.planned
+    return scene.until == "release" and numerical and scene.peg is None
 
 
 def speed_correction(numbers: ArrayLike) -> Correction:

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,17 +54,30 @@ class StringLaunch:
         return self.rear_arrival_s - self.finger_free_s
 
 
+def one_front(mean_speed_ratio: Any, half_angle_rad: Any) -> Any:
+    """Whether the premises hold: one sharp front, and a half-angle below 30 degrees; floats or arrays."""
+    return (np.abs(mean_speed_ratio - 1.0) < 1e-6) & (np.sin(half_angle_rad) < 0.5)
+
+
+def string_momentum_n_s(tension_n: Any, circumference_m: Any, leg_m: Any, front_m_s: Any, half_angle_rad: Any) -> Any:
+    """Impulse of the finger until it is free, the integral of its force; ``leg_m`` is l0. Floats or arrays."""
+    arrival, on_finger = leg_m / front_m_s, (0.5 * circumference_m - leg_m) / front_m_s
+    turned = (1.0 + np.sin(half_angle_rad)) / (0.5 * math.pi + half_angle_rad)
+    return 2.0 * tension_n * (arrival * np.cos(half_angle_rad) + on_finger * turned)
+
+
 def string_launch(scene: Scene) -> StringLaunch:
     """The string's launch of a scene."""
     band, string, wedge, phi = scene.band, scene.string, scene.wedge, scene.half_angle_rad
-    law, held, behind = scene.material, 1.0 + scene.strain, 1.0 + scene.string.residual_strain
+    law, held = scene.material, 1.0 + scene.strain
     tension = band.area_m2 * float(law.stress(held))
     on_finger = (0.5 * band.circumference_m - wedge.reference_leg_m) / string.front_speed_m_s
     arrival = wedge.reference_leg_m / string.front_speed_m_s
-    momentum = 2.0 * tension * (arrival * math.cos(phi) + on_finger * (1.0 + math.sin(phi)) / (math.pi / 2.0 + phi))
+    momentum = float(
+        string_momentum_n_s(tension, band.circumference_m, wedge.reference_leg_m, string.front_speed_m_s, phi)
+    )
     mass = band.mass_per_length_kg_m * band.circumference_m
     stored = band.area_m2 * band.circumference_m * float(law.energy(held))
-    chord = (float(law.stress(held)) - string.residual_stress_pa) / ((held - behind) * band.density_kg_m3)
     return StringLaunch(
         tension_n=tension,
         momentum_n_s=momentum,
@@ -72,7 +86,7 @@ def string_launch(scene: Scene) -> StringLaunch:
         efficiency=momentum**2 / (2.0 * mass * stored),
         finger_free_s=arrival + on_finger,
         rear_arrival_s=(wedge.leg_m / math.cos(phi) - wedge.finger_radius_m) / string.rear_speed_m_s,
-        exact=abs(chord / string.front_speed_m_s**2 - 1.0) < 1e-6 and math.sin(phi) < 0.5,
+        exact=bool(one_front(string.wave.mean_speed_ratio, phi)),
     )
 
 

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 # Shares of the front's arrival time over which the rebound speed is the slope of the rear's path.
 SPEED_WINDOW = (0.4, 0.85)
+LATE_WINDOW = (0.7, 0.85)
 # Bending waves have forgotten the held shape after so many l^2/a_b, and feel the residual tension from this share of
 # t_x on (see similarity_window).
 FORGOTTEN_AFTER = 2.5
@@ -65,8 +66,11 @@ class Scales:
     """Length that a kink has passed by then, half of the rear segment: l0 strain sin/(1 - sin) behind a sharp front."""
     rear_length_m: float
     """Length of what the beads at the rear must resolve: the kink's way and five times the bending spread."""
+    remembered_m: float
+    """Reference length over which the held tip is bent: what lies on its peg, and the bending layer."""
     tip_sharpness: float
-    """Curvature times half thickness at the point-held tip, from the elastica: 2 sin((pi/2 - phi)/2)/l h/2."""
+    """Curvature times half thickness at the held tip: on a peg that of the peg; at a point from the elastica,
+    2 sin((pi/2 - phi)/2)/l h/2."""
     rear_arrival_share: float
     """When the rear of the string limit reaches the finger's near side, over t_f."""
     window: SimilarityWindow
@@ -84,6 +88,13 @@ def scales_of(scene: Scene) -> Scales:
     # Behind a fan the material is slower, over the speed of the foremost point.
     kink_way = wedge.reference_leg_m * scene.strain * sine / (1.0 - sine) * string.wave.mean_speed_ratio
     way = wedge.leg_m / math.cos(phi) - wedge.finger_radius_m
+    peg, thickness, wrapped = scene.peg, scene.band.thickness_m, 0.0
+    if peg is None:
+        sharpness = math.sin((math.pi / 2.0 - phi) / 2.0) * thickness / layer if layer > 0.0 else math.inf
+    else:
+        wrapped, sharpness = peg.wrapped_m, 0.5 * peg.curvature_1_m * thickness
+        # The straight part between peg and finger is that much shorter, and the way with it.
+        way *= 1.0 - math.pi * peg.radius_m / (wedge.leg_m * (1.0 + math.tan(phi) * (math.pi / 2.0 + phi)))
     return Scales(
         bending_layer_m=layer,
         bending_diffusivity_m2_s=diffusivity,
@@ -91,24 +102,23 @@ def scales_of(scene: Scene) -> Scales:
         bending_spread_m=spread,
         kink_way_m=kink_way,
         rear_length_m=kink_way + BENDING_SPREAD * spread,
-        tip_sharpness=math.sin((math.pi / 2.0 - phi) / 2.0) * scene.band.thickness_m / layer
-        if layer > 0.0
-        else math.inf,
+        remembered_m=layer + wrapped,
+        tip_sharpness=sharpness,
         rear_arrival_share=way / string.rear_speed_m_s / arrival,
-        window=_similarity_window(scene, layer, diffusivity, arrival),
+        window=_similarity_window(scene, layer + wrapped, diffusivity, arrival),
     )
 
 
-def _similarity_window(scene: Scene, layer_m: float, diffusivity: float, arrival_s: float) -> SimilarityWindow:
+def _similarity_window(scene: Scene, remembered_m: float, diffusivity: float, arrival_s: float) -> SimilarityWindow:
     """The self-similar window from the physical scales alone.
 
     It opens once the beam is slender for its bending waves (h/c0) and has forgotten the held shape
-    (2.5 l^2/a_b, l the length of the held bending layer), and closes at a quarter of
+    (2.5 l^2/a_b, l the length over which the held tip is bent), and closes at a quarter of
     t_x = a_b density (1 + strain1)/stress1, when the residual tension begins to pull the rear straight.
     """
     if scene.bending_stiffness_n_m2 == 0.0:
         return SimilarityWindow(math.nan, math.nan, bending=False)
-    start = max(scene.band.thickness_m / scene.band.bar_speed_m_s, FORGOTTEN_AFTER * layer_m**2 / diffusivity)
+    start = max(scene.band.thickness_m / scene.band.bar_speed_m_s, FORGOTTEN_AFTER * remembered_m**2 / diffusivity)
     string = scene.string
     crossover = diffusivity * scene.band.density_kg_m3 * (1.0 + string.residual_strain) / string.residual_stress_pa
     return SimilarityWindow(start, min(WINDOW_BEFORE * crossover, arrival_s))

@@ -28,6 +28,7 @@ from beadband.model.wedge import StringLimit, Wedge, published_ratio, string_lim
 from beadband.parameters import AUTO, PLANNED, TABLE, UNUSED, checked, uncertain
 
 if TYPE_CHECKING:
+    from beadband.model.peg import Peg
     from beadband.model.scales import Scales
 
 
@@ -54,6 +55,8 @@ class Scene:
     """Of a launch: whether the finger stays, or is taken away once it carries nothing."""
     flight_s: float
     """Of a launch whose finger clears: time that the band flies on after its rear has come to the finger's place."""
+    tip_radius_m: float = 0.0
+    """Radius of the peg that holds the tip, to the middle of the band; 0 for a point."""
     hand_mass_kg: float | None = None
     hand_stiffness_n_m: float | None = None
     hand_damping_n_s_m: float | None = None
@@ -118,6 +121,15 @@ class Scene:
     def string(self) -> StringLimit:
         """The string limit, EI -> 0."""
         return string_limit(self.material, self.band.density_kg_m3, self.strain, self.half_angle_rad)
+
+    @cached_property
+    def peg(self) -> Peg | None:
+        """Where the held band lies on its peg; None where it touches it with the tip alone."""
+        from beadband.model.peg import peg_of
+
+        return (
+            peg_of(self.strand(1), self.strain, self.half_angle_rad, self.tip_radius_m) if self.tip_radius_m else None
+        )
 
     @cached_property
     def scales(self) -> Scales:
@@ -202,6 +214,7 @@ class Scene:
             "for": self.purpose,
             "bending_modulus": self.bending_modulus,
             "bending_scale": self.bending_scale,
+            "tip_radius_m": self.tip_radius_m or None,
             "samples": self.samples or None,
             **{key: getattr(self, key) for key in PLANNED},
             "planned": list(self.planned) or None,
@@ -226,10 +239,13 @@ def _size(key: str, values: Mapping[str, Any]) -> str:
 
 
 _PLAIN = (
-    *("strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale", "finger", "flight_s"),
+    *("strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale", "tip_radius_m"),
+    *("finger", "flight_s"),
     *HAND,
 )
 """Parameters that are fields of a scene under the same name."""
+MOST_ON_PEG = 0.3
+"""Share of the reference leg that may lie on a peg: beyond, its end feels the finger before the speed is measured."""
 _BESIDE = ("planned", "covariance")
 """Keys that no flag gives: they stand in files only."""
 KEYS = (*TABLE, *_BESIDE)
@@ -420,6 +436,14 @@ def _refuse_unused(scene: Scene, given: Iterable[str]) -> None:
         wrong, value = "--bending-modulus is not used without bending", f"{scene.bending_modulus} and --bending-scale 0"
         allowed, advice = "--bending-modulus with --bending-scale above 0", "leave one of the two out"
         raise UsageError(explain(wrong, f"--bending-modulus {value}", allowed, advice), UNUSED)
+    if scene.bending_scale == 0.0 and scene.tip_radius_m > 0.0:
+        wrong, value = "--tip-radius is not used without bending", f"{scene.tip_radius_m:g} m and --bending-scale 0"
+        allowed, advice = "--tip-radius with --bending-scale above 0", "leave one of the two out"
+        raise UsageError(explain(wrong, f"--tip-radius {value}", allowed, advice), UNUSED)
+    if scene.tip_radius_m == 0.0 and dict(scene.errors).get("tip_radius_m"):
+        wrong, allowed = "a tip held at a point has no radius to be uncertain", "a radius above 0 m with an error"
+        value = f"--tip-radius 0 +/- {dict(scene.errors)['tip_radius_m']:g} m"
+        raise UsageError(explain(wrong, value, allowed, "give the radius, or leave the error out"))
     state = {"until": scene.until, "finger": scene.finger}
     for one in (TABLE[key] for key in given if key in TABLE):
         for other, needed in (one.only or {}).items():
@@ -448,6 +472,21 @@ def _refuse_without_answer(scene: Scene) -> None:
                 "lower --strain or --half-angle",
             )
         )
+    _refuse_strain(scene)
+    peg, leg = scene.peg, scene.wedge.reference_leg_m
+    if peg is not None and peg.wrapped_m > MOST_ON_PEG * leg:
+        raise UsageError(
+            explain(
+                "too much of the leg lies on the peg",
+                f"{peg.wrapped_m / leg:.3g} of it with --tip-radius {scene.tip_radius_m:g} m",
+                f"at most {MOST_ON_PEG:g}",
+                "lower --tip-radius",
+            )
+        )
+
+
+def _refuse_strain(scene: Scene) -> None:
+    """Refuse a strain at which the band can't be held."""
     longest, peak = scene.material.longest_stretch(), scene.material.peak_stretch()
     if longest is not None and 1.0 + scene.strain >= longest:
         raise UsageError(

@@ -4,7 +4,8 @@ Without a word of mechanics every input would take two runs. The rebound speed o
 
 * all times scale with sqrt(density), so d ln V/d ln density = -1/2 for every law;
 * all stresses together scale V by their square root: the elasticities of E and of the law's moduli add up to 1/2;
-* the width (of a rectangle: all of A at given EI/A) drops out, and the lengths h and Cb enter as h/Cb alone;
+* the width (of a rectangle: all of A at given EI/A) drops out, and the lengths h, Cb and the radius of a peg enter by
+  their ratios alone;
 * E, the thickness and the circumference enter, beside the law, through a_b = sqrt(EI/(density A)) over the size of the
   scene alone: one derivative by bending serves all three.
 
@@ -30,6 +31,7 @@ Array = NDArray[np.float64]
 
 BENDING = "bending_scale"
 """The derivative by EI that serves E, thickness and circumference."""
+PEG = "tip_radius_m"
 _SHAPE = ("width_m", "thickness_m", "wall_m", "area_m2", "second_moment_m4")
 
 
@@ -133,7 +135,9 @@ def basis(scene: Scene, names: Sequence[str]) -> list[str]:
     if not _similar(scene):
         return list(names)
     moduli, others = _law_names(scene)
-    wanted = [name for name in names if name in ("strain", "half_angle_deg", BENDING) or name in others]
+    wanted = [name for name in names if name in ("strain", "half_angle_deg", BENDING, PEG) or name in others]
+    if "circumference_m" in names and scene.peg is not None and PEG not in wanted:
+        wanted.append(PEG)
     touched = [name for name in names if name in moduli]
     whole = bool(touched) and len(touched) == len(moduli)
     by_shape = any(name in ("modulus_pa", "circumference_m") or name in _SHAPE for name in names if name not in moduli)
@@ -157,7 +161,7 @@ def elasticities(scene: Scene, names: Sequence[str], had: Mapping[str, float], t
         if name == "density_kg_m3":
             found[name] = -total
         elif name == "circumference_m":
-            found[name] = -2.0 * bending
+            found[name] = -2.0 * bending - had.get(PEG, 0.0)
         elif name in _SHAPE:
             found[name] = bending * _slenderness(scene, name)
         elif name == "modulus_pa" and name not in moduli:

@@ -26,6 +26,8 @@ SOFT = 0.05
 """Tangent modulus of the held band over that at rest below which it is next to its tension peak."""
 FULL = 0.9
 """Share of the wedge's closing, (1 + strain) sin(half-angle), from which the rear hardly unloads."""
+LARGE_PEG = 0.2
+"""Radius of the peg over the way of a kink up to the front's arrival from which the rear still gains speed then."""
 LONG_LAYER = 0.25
 """Share of the leg over which the held tip may bend without a notice."""
 _POISSON = 0.5
@@ -138,6 +140,12 @@ def _bending(scene: Scene) -> list[Notice]:
     scales, band, wedge = scene.scales, scene.band, scene.wedge
     if scales.tip_sharpness > SHARPEST:
         found.append(notice("sharp-tip", value=scales.tip_sharpness, limit=SHARPEST))
+    peg, string = scene.peg, scene.string
+    if peg is not None:
+        kink = math.sqrt(string.residual_stress_pa * (1.0 + string.residual_strain) / band.density_kg_m3)
+        share = peg.radius_m / (kink * scales.front_arrival_s)
+        if share > LARGE_PEG:
+            found.append(notice("large-peg", value=share, limit=LARGE_PEG))
     wrapped = 0.5 * held_thickness_m(scene) / wedge.finger_radius_m
     if wrapped > SHARPEST:
         found.append(notice("thick-on-finger", value=wrapped, limit=SHARPEST))

@@ -9,7 +9,6 @@ import numpy as np
 
 from beadband.errors import UsageError, explain
 from beadband.model.calibration import Strand
-from beadband.model.hand import KEYS as HAND
 from beadband.model.launch_string import StringLaunch, string_launch
 from beadband.model.scene import Scene
 from beadband.model.validity import outside_test
@@ -158,7 +157,7 @@ def launch_plan_of(scene: Scene) -> LaunchPlan:
     """Choose what the scene leaves open; UsageError for a choice of the user's that can't work."""
     # Beads and loss as the release takes them; a step that was chosen for the launch does not suit the release.
     bare = replace(scene, until="release", finger="stays", flight_s=0.0)
-    bare = replace(bare, timestep_s=None, frames=None, steps=None, rear_steps=None, **dict.fromkeys(HAND))
+    bare = replace(bare, timestep_s=None, frames=None, steps=None, rear_steps=None)
     release = plan_of(bare)
     enough: list[Notice] = []
     if scene.hand is not None and scene.beads is None and release.beads < BEADS_FOR_HAND:

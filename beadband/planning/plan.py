@@ -8,6 +8,7 @@ from functools import cached_property
 
 from beadband.errors import UsageError, explain
 from beadband.model.calibration import Strand
+from beadband.model.peg import own_radius_m
 from beadband.model.scales import LONGEST_LAYER, SPEED_WINDOW, viscous_front_m
 from beadband.model.scene import Scene
 from beadband.model.validity import law_reasons, validity_notices
@@ -168,6 +169,8 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
             notice("step", step_s=timestep, value=timestep / largest, steps=steps, end=end / arrival, end_s=end)
         )
     reasons.append(_bending_reason(scene))
+    if scene.tip_radius_m:
+        reasons.append(_peg_reason(scene))
     reasons += law_reasons(scene)
     reasons.append(
         notice("one-leg", bonds=leg_bonds, beads=beads, value=share)
@@ -304,7 +307,8 @@ def _dependence_share(scene: Scene, end_s: float) -> float:
     behind = math.sqrt(float(scene.material.tangent(1.0 + string.residual_strain)) / scene.band.density_kg_m3)
     leg = scene.wedge.reference_leg_m
     there_and_back = end_s / leg / (1.0 / math.sqrt(tail * front) + math.sqrt(tail / front) / behind)
-    return there_and_back + _LAYERS_AHEAD * scene.scales.bending_layer_m / leg + _SHARE_AHEAD
+    wrapped = scene.scales.remembered_m - scene.scales.bending_layer_m  # the front starts where the band leaves its peg
+    return there_and_back + (wrapped + _LAYERS_AHEAD * scene.scales.bending_layer_m) / leg + _SHARE_AHEAD
 
 
 def _bending_reason(scene: Scene) -> Notice:
@@ -318,6 +322,16 @@ def _bending_reason(scene: Scene) -> Notice:
         limit=scene.wedge.reference_leg_m * scene.strain * sine / (1.0 - sine) * 1e3,
         string=scene.string.rear_speed_m_s,
     )
+
+
+def _peg_reason(scene: Scene) -> Notice:
+    """How the peg holds the tip."""
+    own = own_radius_m(scene.strand(1), scene.strain, scene.half_angle_rad)
+    given, peg = {"radius_mm": scene.tip_radius_m * 1e3, "limit": own * 1e3}, scene.peg
+    if peg is None:
+        return notice("peg-at-tip", **given)
+    share = peg.wrapped_m / scene.wedge.reference_leg_m
+    return notice("on-peg", value=share, angle=math.degrees(peg.lift_off_rad), **given)
 
 
 def _compression(scene: Scene, loss_beads: float, warnings: list[Notice]) -> float:

@@ -255,8 +255,13 @@ def _move_finger(parts: list[Any], story: Story, frame: int) -> None:
 
 
 def _draw_still(figure: Any, axes: Any, story: Story, scale: colour.Scale, row: Any) -> None:
-    """The held shape, a bar to measure with, the row of colours, and what the scene is."""
+    """The held shape and its peg, a bar to measure with, the row of colours, and what the scene is."""
     held = story.positions_m[0]
+    if story.peg:
+        from matplotlib.patches import Circle
+
+        inner = max(story.peg.radius_m - 0.5 * story.thickness_m, 0.0)
+        axes.add_patch(Circle((story.peg.centre_m, 0.0), inner, fill=False, edgecolor=_EDGE, linewidth=0.8))
     axes.plot(*np.concatenate([held, held[:1]]).T, color=_GHOST, linewidth=0.8, linestyle=(0, (4, 4)))
     low, high = _box(story)
     power = 10.0 ** np.floor(np.log10((high - low)[0] / 5.0))

@@ -136,6 +136,13 @@ function paint(canvas, width, height, density, t, ink) {
     context.fillStyle = ink.soft; context.font = "13px system-ui, sans-serif"; context.textAlign = "center";
     context.fillText("finger", centre, top + zoom * (box.y0 + box.height) + 4);
   }
+  if (story.peg) {
+    context.beginPath();
+    const radius = Math.max(zoom * story.peg.radius_m - thick / 2, 1);
+    context.arc(left + zoom * (story.peg.centre_m - box.x0), top + zoom * (box.y0 + box.height), radius, 0, 2 * Math.PI);
+    if (t <= story.peg.until_s) { context.fillStyle = ink.finger; context.fill(); }
+    context.strokeStyle = ink.edge; context.lineWidth = 1; context.stroke();
+  }
   outline(context, 0, toX, toY);
   context.strokeStyle = ink.ghost; context.lineWidth = 1; context.setLineDash([4, 4]); context.stroke(); context.setLineDash([]);
 

@@ -73,6 +73,8 @@ def shapes(axes: Any, run: Run, ring: Trajectory) -> None:
     shades = colormaps["viridis_r"](np.linspace(0.15, 1.0, len(chosen)))
     centre = (run.held.finger_centre_m * 1e3, 0.0)
     axes.add_patch(Circle(centre, run.held_radius_m * 1e3, color="#e4e0da", label="finger"))
+    if peg := run.scene.tip_radius_m * 1e3:
+        axes.add_patch(Circle((peg, 0.0), peg, fill=False, color="#a09a90", linestyle="--", label="peg"))
     for frame, shade in zip(chosen, shades, strict=True):
         points = ring.positions_m[frame] * 1e3
         closed = np.concatenate([points, points[:1]])

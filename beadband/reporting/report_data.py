@@ -56,7 +56,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Finger:
-    """The cylinder in front, with the radius at which it touches the centre line."""
+    """A cylinder in the band, with the radius at which it touches the centre line."""
 
     centre_m: float
     radius_m: float
@@ -94,6 +94,8 @@ class Story:
     """Turning angle at each bead over reference spacing, positive where the ring turns as a circle does; same shape."""
     thickness_m: float
     finger: Finger
+    peg: Finger | None
+    """What holds the tip until the release; None for a point."""
     tip_times_s: Array
     """Times of the tip's speed, shape (points,)."""
     tip_speed_m_s: Array
@@ -158,6 +160,7 @@ def tell(results: Mapping[str, Any], times_s: Array, positions_m: Array, energie
         raise ValueError(f"{positions_m.shape[1]} beads in the trajectory, {scene['beads']} in the scene")
     spacing = scene["circumference_m"] / scene["beads"]
     series = results["series"]
+    radius = scene.get("tip_radius_m")
     free = launch.get("finger_free_s") if launch and scene.get("finger") == "clears" else None
     return Story(
         name=name,
@@ -172,6 +175,7 @@ def tell(results: Mapping[str, Any], times_s: Array, positions_m: Array, energie
         curvature_1_m=ring_curvature(positions_m, spacing),
         thickness_m=scene["thickness_m"],
         finger=Finger(held["finger_centre_m"], held["finger_radius_m"], free, *_hand(launch, times_s)),
+        peg=Finger(radius, radius, 0.0) if radius else None,
         tip_times_s=_array(series["t_s"]),
         tip_speed_m_s=_array(series["tip_speed_m_s"]),
         charts=(

@@ -122,6 +122,11 @@ def _string_text(values: Mapping[str, Any]) -> str:
     return f"{string:.4g} m/s; V is {abs(speed / string - 1.0):.2%} {side}"
 
 
+def _late_text(values: Mapping[str, Any]) -> str | None:
+    """Of interest where a peg lets the rear gain speed for long."""
+    return observables.text_of(values, "late_speed_m_s") if values["scene"].get("tip_radius_m") else None
+
+
 def _ratio_text(wave: str) -> Callable[[Mapping[str, Any]], str]:
     def text(values: Mapping[str, Any]) -> str:
         return (
@@ -209,6 +214,7 @@ def _shares_together(values: Mapping[str, Any]) -> dict[str, float]:
 
 _SPECIAL: observables.Special = {
     "rebound_speed_input_error_m_s": _inputs_text,
+    "late_speed_m_s": _late_text,
     "string_speed_m_s": _string_text,
     **{f"rebound_ratio.{wave}": _ratio_text(wave) for wave in observables.WAVES},
     "curvature": _curvature_text,

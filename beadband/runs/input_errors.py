@@ -17,17 +17,20 @@ import numpy as np
 from beadband.errors import BeadbandError, UsageError, explain
 from beadband.lammps.engine import Session
 from beadband.model.scene import Scene
-from beadband.model.uncertainty import BENDING, Array, Inputs, basis, changed, elasticities, inputs_of
+from beadband.model.uncertainty import BENDING, PEG, Array, Inputs, basis, changed, elasticities, inputs_of
 from beadband.planning.plan import Plan, plan_of
 from beadband.runs.batch import follow_rears
 from beadband.runs.measurement import Measurement
 
 TOLERANCE = 0.01
 """Tolerance for which the legs of the derivatives are planned: what is left of it cancels."""
+_PEG_TOLERANCE = 0.002
+"""The same of scenes with a peg, which need beads on it."""
 _LEAST_STEP, _MOST_STEP = 0.003, 0.05
 """Steps of the logarithm of an input, between which its own error is taken as the step."""
-_BENDING_STEP = 0.2
-"""The same of EI, on which V depends so little that a small step drowns in what single beads make of the kink."""
+_LONG_STEPS = {BENDING: 0.2, PEG: _MOST_STEP}
+"""The same of EI, on which V depends so little that a small step drowns in what single beads make of the kink, and of
+a peg's radius, which V follows by a wavy line, as one bead after the other comes to lie on the peg."""
 _SPEED, _RATIO = 0.5, 0.0
 """Sums of the elasticities of all moduli: of a speed, and of a number without dimension."""
 
@@ -107,10 +110,11 @@ def budget_of(scene: Scene, speed_m_s: float, session: Session | None = None) ->
         bare = replace(
             scene.unplanned(), until="release", finger="stays", flight_s=0.0, errors=(), covariance=(), samples=0
         )
-        base = plan_of(replace(bare, auto_tolerance=False, tolerance=max(TOLERANCE, scene.tolerance)), "leg")
+        tolerance = max(TOLERANCE, scene.tolerance) if scene.peg is None else _PEG_TOLERANCE
+        base = plan_of(replace(bare, auto_tolerance=False, tolerance=tolerance), "leg")
         wanted = basis(scene, inputs.names)
         steps = dict(zip(inputs.names, np.abs(inputs.errors / inputs.values), strict=True))
-        slopes = _derivatives(base, {name: steps.get(name, _BENDING_STEP) for name in wanted}, own)
+        slopes = _derivatives(base, {name: steps.get(name, _MOST_STEP) for name in wanted}, own)
         drawn = _sampled(base, inputs, scene.samples, own) if scene.samples else None
 
     def joined(which: str, total: float) -> tuple[Array, Array, float]:
@@ -155,7 +159,7 @@ def _derivatives(base: Plan, errors: Mapping[str, float], session: Session) -> d
     """d ln V, d exponent and d ln ratio by d ln of inputs, from two legs for each; all are released together."""
     steps, plans = {}, []
     for name, error in errors.items():
-        steps[name] = _BENDING_STEP if name == BENDING else min(max(error, _LEAST_STEP), _MOST_STEP)
+        steps[name] = _LONG_STEPS.get(name, min(max(error, _LEAST_STEP), _MOST_STEP))
         plans += _ends(base, name, error, steps[name])
     answers = []
     for found in follow_rears(plans, session):

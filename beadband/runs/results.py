@@ -18,9 +18,11 @@ import numpy as np
 from beadband import observables
 from beadband.analysis.convergence import plain_error
 from beadband.analysis.energy import Balance
-from beadband.analysis.fits import Measured
+from beadband.analysis.fits import Measured, path_slope
 from beadband.analysis.rear import Rear
 from beadband.analysis.ring import RingFrames
+from beadband.model.figures import figures_of_scene
+from beadband.model.scales import LATE_WINDOW
 from beadband.model.scene import Scene
 from beadband.notices import Notice, distinct_digits, notice
 from beadband.planning.plan import Plan
@@ -125,6 +127,11 @@ class RearRun:
     def scene(self) -> Scene:
         return self.plan.scene
 
+    @cached_property
+    def design(self) -> dict[str, float | None]:
+        """What a designer asks of the held band, and of its throw without bending, by the keys of the observables."""
+        return figures_of_scene(self.scene)
+
     @property
     def rear(self) -> Rear:
         """The rear tip over time."""
@@ -135,6 +142,15 @@ class RearRun:
         """Rebound speed, m/s, with its whole error: of the fit, of discretisation and step, and the expected one."""
         fitted = self.measurement.fitted_speed_m_s
         return Measured(fitted.value, joined_error_m_s(fitted, self.plan.beads, self.estimate, self.plan.speed_error))
+
+    @property
+    def late_speed_m_s(self) -> float | None:
+        """Slope of the rear's path at the end of the speed's window, m/s; None with too few frames there."""
+        start, end = (share * self.plan.front_arrival_s for share in LATE_WINDOW)
+        try:
+            return path_slope(self.rear.times_s, self.rear.tip_x_m, start, end)
+        except ValueError:
+            return None
 
     @cached_property
     def curvature(self) -> Curvature | None:

@@ -27,6 +27,7 @@ from beadband.errors import RunError, explain
 from beadband.model.angle_forms import QUARTIC, AngleForm
 from beadband.model.calibration import Strand
 from beadband.model.laws import Law
+from beadband.model.peg import released_energy_n
 from beadband.statics.chain import Array
 from beadband.statics.newton import BOUND
 
@@ -35,9 +36,8 @@ TIP_WEIGHT = 2.0
 _GOAL = 1e-11
 _SETTLED = 1e-7
 """Last step of the stretches from which the next one, of a method of the second order, is below rounding."""
-_DECADES, _EXACT_POINTS, _SMALL_ANGLE = 40.0, 4000, 1e-3
-"""Range of the logarithm of the angle over which an exact shape is summed, its points, and the angle below which the
-energy is that of a constant stretch."""
+_DECADES, _EXACT_POINTS = 40.0, 4000
+"""Range of the logarithm of the angle over which an exact shape is summed, and its points."""
 _STEPS, _SHORT_STEPS = 60, 12
 """Most steps; after the short ones, which take the stretches one step along with the angles, those are solved."""
 
@@ -94,8 +94,8 @@ def held_legs(requests: Sequence[LegRequest], form: AngleForm = QUARTIC) -> list
 
 def _tried(requests: Sequence[LegRequest], form: AngleForm, short_steps: int) -> list[Leg | RunError]:
     """As :func:`held_legs`; without short steps from the exact shape of continuous bands."""
-    rows = _Rows(requests)
-    alpha = rows.continuous() if short_steps else rows.exact()
+    rows = Rows(requests)
+    alpha = rows.continuous() if short_steps else exact_angles(requests[0], float(rows.opening[0, 0]))[None, :]
     stretch = np.ones((len(requests), rows.bonds)) * rows.leg_stretch
     imbalance = np.zeros(len(requests))
     bent = rows.stiff[:, 0] > 0.0
@@ -105,24 +105,41 @@ def _tried(requests: Sequence[LegRequest], form: AngleForm, short_steps: int) ->
     for place, one in enumerate(requests):
         error = float(imbalance[place])
         if not error <= BOUND:
-            found.append(_no_equilibrium(error))
+            found.append(no_equilibrium(error))
             continue
         angles, stretches = alpha[place, : one.bonds], stretch[place, : one.bonds]
         found.append(
-            _laid_out(one.strand.spacing_m, angles, stretches, one.half_angle_rad, float(rows.tension[place, 0]), error)
+            laid_out(one.strand.spacing_m, angles, stretches, one.half_angle_rad, float(rows.tension[place, 0]), error)
         )
     return found
 
 
 def smooth_leg(strand: Strand, bonds: int, strain: float, half_angle_rad: float) -> Leg:
     """The leg as a continuous band would lie: for chains so fine that rounding keeps :func:`held_leg` from settling."""
-    rows = _Rows([LegRequest(strand, bonds, strain, half_angle_rad)])
+    rows = Rows([LegRequest(strand, bonds, strain, half_angle_rad)])
     alpha = rows.continuous()
     stretch = rows.stretches(rows.tension / rows.area * np.cos(alpha))
-    return _laid_out(strand.spacing_m, alpha[0], stretch[0], half_angle_rad, float(rows.tension[0, 0]), math.nan)
+    return laid_out(strand.spacing_m, alpha[0], stretch[0], half_angle_rad, float(rows.tension[0, 0]), math.nan)
 
 
-class _Rows:
+def exact_angles(request: LegRequest, start_rad: float, ahead_m: float = 0.0) -> Array:
+    """Angles of the bonds to the leg's line as beads without end would have them, shape (bonds,).
+
+    EI/2 (d alpha/dS)^2 = W*(T) - W*(T cos alpha), S summed over the logarithm of alpha. The angle is ``start_rad`` at
+    the reference length ``ahead_m`` from the tip; bonds before it have more than that, and none of them means anything.
+    """
+    strand, held = request.strand, 1.0 + request.strain
+    alpha = start_rad * np.exp(-np.linspace(0.0, _DECADES, _EXACT_POINTS))
+    stretch = Rows([request]).stretches(strand.law.stress(held) * np.cos(alpha)[None, :])[0]
+    energy = released_energy_n(strand.law, strand.area_m2, held, stretch, alpha)
+    rate = alpha * np.sqrt(0.5 * strand.bending_stiffness_n_m2 / energy)
+    step = np.diff(-np.log(alpha))
+    reach = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * step)])
+    at = (np.arange(request.bonds) + 0.5) * strand.spacing_m - ahead_m
+    return np.where(at <= reach[-1], np.exp(np.interp(at, reach, np.log(alpha))), 0.0)
+
+
+class Rows:
     """The numbers of many legs as columns of shape (legs, 1), and their laws as one."""
 
     def __init__(self, requests: Sequence[LegRequest]) -> None:
@@ -168,29 +185,6 @@ class _Rows:
         guess: Array = 4.0 * np.arctan(np.tan(self.opening / 4.0) * np.exp(-reach))
         return np.where(self.inside, guess, 0.0)
 
-    def exact(self) -> Array:
-        """The answer for beads without end, of one leg: EI/2 (d alpha/dS)^2 = W*(T) - W*(T cos alpha).
-
-        W* = A (stress stretch - W) is the complementary energy; S is summed over the logarithm of alpha.
-        """
-        law = self._laws[0][0]
-        alpha = float(self.opening[0, 0]) * np.exp(-np.linspace(0.0, _DECADES, _EXACT_POINTS))
-        stretch = self.stretches(self.tension / self.area * np.cos(alpha)[None, :])[0]
-        held = float(self.leg_stretch[0, 0])
-
-        def complementary(at: Any) -> Any:
-            return float(self.area[0, 0]) * (law.stress(at) * at - law.energy(at))
-
-        small = 2.0 * float(self.tension[0, 0]) * held * np.sin(0.5 * alpha) ** 2
-        energy = np.where(alpha > _SMALL_ANGLE, complementary(held) - complementary(stretch), small)
-        stiffness = float(self.stiff[0, 0] * self.spacing[0, 0])
-        rate = alpha / np.sqrt(2.0 * energy / stiffness)
-        step = np.diff(-np.log(alpha))
-        reach = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * step)])
-        at = (np.arange(self.bonds) + 0.5) * float(self.spacing[0, 0])
-        found: Array = np.exp(np.interp(at, reach, np.log(alpha)))[None, :]
-        return np.where(at[None, :] <= reach[-1], found, 0.0)
-
     def stretches(self, stress_pa: Array) -> Array:
         """Stretches that carry the stresses, between 1 and those of the legs (Newton's method, bracketed)."""
         low, high = np.ones_like(stress_pa), np.broadcast_to(self.leg_stretch, stress_pa.shape)
@@ -210,7 +204,7 @@ class _Rows:
 
 
 def _settled(
-    rows: _Rows, alpha: Array, stretch: Array, bent: np.ndarray, form: AngleForm, short_steps: int
+    rows: Rows, alpha: Array, stretch: Array, bent: np.ndarray, form: AngleForm, short_steps: int
 ) -> tuple[Array, Array, Array]:
     """Angles and stretches of the bonds in equilibrium, (legs, bonds), and the imbalance that is left of each leg.
 
@@ -265,14 +259,14 @@ def _settled(
     return alpha, stretch, imbalance
 
 
-def _no_equilibrium(imbalance: float) -> RunError:
+def no_equilibrium(imbalance: float) -> RunError:
     given = f"a moment of {imbalance:.1e} of tension and spacing"
     return RunError(
         explain("the held leg found no equilibrium", given, f"{BOUND:.0e}", "change --beads"), "no-equilibrium"
     )
 
 
-def _laid_out(a: float, alpha: Array, stretch: Array, half_angle_rad: float, tension: float, imbalance: float) -> Leg:
+def laid_out(a: float, alpha: Array, stretch: Array, half_angle_rad: float, tension: float, imbalance: float) -> Leg:
     """The leg whose bonds have the directions ``alpha`` from its line and these stretches."""
     direction = half_angle_rad + alpha
     positions = np.zeros((len(alpha) + 1, 2))

@@ -64,45 +64,36 @@ def stretched_ring(strand: Strand, beads: int, strain: float, half_angle_rad: fl
     """
     if beads < FEWEST_BEADS:
         raise UsageError(explain("too few beads", beads, f"{FEWEST_BEADS} or more", "raise --beads"), "too-few-beads")
-    half = _UpperHalf(strand, beads, strain, half_angle_rad)
+    half = UpperHalf(strand, beads, strain, half_angle_rad)
     points, radius, first = half.held()
     net_force = half.net_force(points, first)
     if not net_force <= half.bound:
-        raise RunError(
-            explain(
-                "the stretched ring found no equilibrium",
-                f"a net force of {net_force:.1e} of the tension",
-                f"{half.bound:.0e}",
-                "change --beads",
-            ),
-            "no-equilibrium",
-        )
-    stretching, bending = half.ring.energies(points)
-    centre = -float(points[0, 0])
-    points = points + np.array([centre, 0.0])
-    points[0] = 0.0
-    types = np.full(len(points), UPPER)
-    types[0] = TIP
-    types[first:] = WRAPPED
-    lower = types[1 : beads - len(points) + 1][::-1].copy()
-    lower[lower == UPPER] = LOWER
-    return Ring(
-        positions_m=whole_ring(points, beads),
-        types=np.concatenate([types, lower]),
-        finger_radius_m=radius,
-        finger_centre_m=centre,
-        tension_n=half.tension,
-        net_force=net_force,
-        stretching_j=2.0 * stretching,
-        bending_j=2.0 * bending,
+        raise no_equilibrium(net_force, half.bound)
+    return half.laid_out(points, radius, first, net_force)
+
+
+def no_equilibrium(net_force: float, bound: float) -> RunError:
+    """The error for a net force, over the tension, above its bound."""
+    return RunError(
+        explain(
+            "the stretched ring found no equilibrium",
+            f"a net force of {net_force:.1e} of the tension",
+            f"{bound:.0e}",
+            "change --beads",
+        ),
+        "no-equilibrium",
     )
 
 
-class _UpperHalf:
-    """The upper half of the stretched ring; coordinates with the finger's centre at the origin."""
+class UpperHalf:
+    """The upper half of the stretched ring; coordinates with the finger's centre at the origin.
 
-    def __init__(self, strand: Strand, beads: int, strain: float, half_angle_rad: float) -> None:
-        self.strand, self.angle, self.stretch = strand, half_angle_rad, 1.0 + strain
+    ``height_m`` is that at which the pull T acts on the tip: 0 for a ring, whose tip lies on the mirror axis.
+    """
+
+    def __init__(self, strand: Strand, beads: int, strain: float, half_angle_rad: float, height_m: float = 0.0) -> None:
+        self.strand, self.angle, self.stretch, self.height_m = strand, half_angle_rad, 1.0 + strain, height_m
+        self.beads = beads
         self.bonds = beads / 2.0  # of the half; a crossing bond counts half
         self.last = beads // 2
         self.ring = HalfRing(strand, crossing=beads % 2 == 1)
@@ -126,7 +117,8 @@ class _UpperHalf:
             return self.touch_down(*self.first_guess())
         beads = 2 * (self.last // 4)
         spacing = self.strand.spacing_m * 2.0 * self.bonds / beads
-        coarse = _UpperHalf(replace(self.strand, spacing_m=spacing), beads, self.stretch - 1.0, self.angle)
+        strand = replace(self.strand, spacing_m=spacing)
+        coarse = UpperHalf(strand, beads, self.stretch - 1.0, self.angle, self.height_m)
         points, radius, first = coarse.held()
         fine = refined_half(points, self.strand.spacing_m, self.bonds, self.last + 1)
         first = self.check_wrap(round((first - 0.5) * self.bonds / coarse.bonds))
@@ -148,7 +140,7 @@ class _UpperHalf:
             ]
         )
         steps = (a * stretch)[:, None] * np.stack([np.cos(phi + alpha), np.sin(phi + alpha)], axis=1)
-        leg = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+        leg = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)]) + np.array([0.0, self.height_m])
         # Distance along the leg's line from its crossing of the axis is bead * bond + ahead, away from the tip.
         bond = a * self.stretch
         ahead = leg[-1, 1] / math.sin(phi) - self.last * bond
@@ -203,7 +195,7 @@ class _UpperHalf:
         slide = np.sum(loads[first:] * _tangents(points)[first:], axis=1)
         if not self.ring.crossing:
             slide = slide[:-1]
-        height = points[0, 1] / self.strand.spacing_m
+        height = (points[0, 1] - self.height_m) / self.strand.spacing_m
         total = float(np.sum(loads[:first] ** 2) + np.sum(slide**2) + height**2)
         return math.sqrt(total) if math.isfinite(total) else math.inf
 
@@ -257,9 +249,31 @@ class _UpperHalf:
         right = np.stack([-local, -push], axis=2)
         right[fixed] = 0.0
         solved = solve_blocks(turned, right)
-        d_radius = -(points[0, 1] + solved[0, 1, 0]) / solved[0, 1, 1]
+        d_radius = -(points[0, 1] - self.height_m + solved[0, 1, 0]) / solved[0, 1, 1]
         step = np.einsum("iab,ib->ia", frame, solved[:, :, 0] + d_radius * solved[:, :, 1])
         return step + d_radius * outward, float(d_radius)
+
+    def laid_out(self, points: Array, radius: float, first: int, net_force: float) -> Ring:
+        """The ring of the half's positions, shifted along the axis so that the tip is the origin."""
+        stretching, bending = self.ring.energies(points)
+        centre = -float(points[0, 0])
+        points = points + np.array([centre, 0.0])
+        points[0] = 0.0
+        types = np.full(len(points), UPPER)
+        types[0] = TIP
+        types[first:] = WRAPPED
+        lower = types[1 : self.beads - len(points) + 1][::-1].copy()
+        lower[lower == UPPER] = LOWER
+        return Ring(
+            positions_m=whole_ring(points, self.beads),
+            types=np.concatenate([types, lower]),
+            finger_radius_m=radius,
+            finger_centre_m=centre,
+            tension_n=self.tension,
+            net_force=net_force,
+            stretching_j=2.0 * stretching,
+            bending_j=2.0 * bending,
+        )
 
     def touch_down(self, points: Array, radius: float, first: int) -> tuple[Array, float, int]:
         """Settle, and find the first bead on the finger: it is pushed, and no free one lies inside.

@@ -19,9 +19,11 @@ import pytest
 
 from beadband.analysis.curvature import bond_stretch, ring_curvature
 from beadband.cli import main
+from beadband.model.scene import scene_of
 from beadband.reporting import colour, movie, page
-from beadband.reporting.report_data import Story, read_story, tell
+from beadband.reporting.report_data import Finger, Story, read_story, tell
 from beadband.runs import folder as files
+from beadband.runs import release
 from beadband.runs.results import Run
 from conftest import REQUIRE_ALL, WITHOUT
 
@@ -124,6 +126,21 @@ def test_a_launch_that_did_not_get_there(results: dict[str, Any], told: Story, d
     assert [chart.key for chart in story.charts] == ["speed", "curvature", "energy"]
     assert story.finger.until_s is None
     assert "pause" not in story.headline
+
+
+def test_a_peg_is_drawn_where_it_held_the_band(tmp_path: Path) -> None:
+    scene = scene_of({"tip_radius_m": 6e-3, "beads": 200, "for": "speed", "frames": 2})
+    run = release.run(scene, tmp_path / "run")
+    story = read_story(tmp_path / "run")
+    assert story.peg == Finger(6e-3, 6e-3, 0.0)
+    away = np.hypot(story.positions_m[0, :, 0] - 6e-3, story.positions_m[0, :, 1])
+    assert (np.abs(away / 6e-3 - 1.0) < 1e-9).sum() >= 7
+    told = stored(page.page(story))
+    assert {"centre_m": 6e-3, "radius_m": 6e-3, "until_s": 0.0, "way_m": None}.items() <= told["peg"].items()
+    for each in (story, replace(story, peg=None)):
+        movie.film(each, tmp_path / f"{bool(each.peg)}.gif", 20, "curvature")
+    assert (tmp_path / "True.gif").read_bytes() != (tmp_path / "False.gif").read_bytes()
+    assert run.plot(tmp_path)
 
 
 def test_scales_run_from_end_to_end() -> None:

@@ -61,6 +61,7 @@ def sweep(
     *,
     random: int | None = None,
     seed: int | None = None,
+    sample: str | None = None,
     jobs: int | None = 1,
     executor: Executor | None = None,
     out: str | os.PathLike[str] | None = None,
@@ -74,8 +75,8 @@ def sweep(
     options
         Those of a scene, each a value, a list, or text such as "0.1:1.4:14" (both ends, 14 values). What is left out
         keeps its default, except that ``for`` is "speed": the plan gets V right, and the curvature as it comes.
-    random, seed
-        Draw so many scenes instead of the whole grid.
+    random, seed, sample
+        Draw so many scenes instead of the whole grid: "random" ones, a "latin-hypercube", or Sobol' points, "sobol".
     jobs
         Number of processes; None for one per core. A script that asks for more than one needs the usual
         ``if __name__ == "__main__"``.
@@ -91,7 +92,7 @@ def sweep(
     UsageError
         The grid or the folder can't be used. A scene without an answer is a row that gives the reason.
     """
-    return run_grid(grid_of(options, random, seed), jobs=jobs, executor=executor, out=out, follow=follow)
+    return run_grid(grid_of(options, random, seed, sample), jobs=jobs, executor=executor, out=out, follow=follow)
 
 
 def run_grid(

@@ -34,6 +34,7 @@ RUNGS: dict[str, Callable[[], list[Check]]] = {
         ("string", "stringlimit"),
         ("orders", "orders"),
         ("conservation", "conservation"),
+        ("peg", "peg"),
         ("hand", "hand"),
     )
 }

@@ -61,11 +61,14 @@ class Released(NamedTuple):
     tip_curvature_1_m: Array
 
 
-def held_shape(rod: Rod, held_stretch: float, half_angle_rad: float, places_m: Array) -> tuple[Array, Array]:
+def held_shape(
+    rod: Rod, held_stretch: float, half_angle_rad: float, places_m: Array, peg_radius_m: float = 0.0
+) -> tuple[Array, Array]:
     """Position and r' of the leg at reference lengths ``places_m`` from the tip, in equilibrium; shape (nodes, 2).
 
     The internal force is T along the leg everywhere, so with alpha the angle to the leg the stretch is s(T cos alpha)
-    and EI/2 (d alpha/dS)^2 = integral of s(N) dN from T cos alpha to T.
+    and EI/2 (d alpha/dS)^2 = integral of s(N) dN from T cos alpha to T. Where that bends it more than a peg
+    of radius r, d alpha/dS = s/r, the band lies on the peg, with one stretch.
     """
     tension = rod.area_m2 * float(rod.stress_pa(np.array(held_stretch)))
     scale = math.sqrt(2.0 * tension / rod.bending_stiffness_n_m2)
@@ -85,12 +88,27 @@ def held_shape(rod: Rod, held_stretch: float, half_angle_rad: float, places_m: A
         s, theta = fit(force), half_angle_rad + alpha
         return [-scale * math.sqrt(work) / alpha, s * math.cos(theta), s * math.sin(theta)]
 
-    start = [math.log(0.5 * math.pi - half_angle_rad), 0.0, 0.0]
-    span = (0.0, float(places_m[-1]))
-    found = solve_ivp(rate, span, start, "DOP853", places_m, rtol=1e-11, atol=1e-13)
+    def tighter(log_alpha: float) -> float:
+        """Turning that the leg would have there, over that on the peg, less 1."""
+        slope = rate(0.0, np.array([log_alpha]))[0] * math.exp(log_alpha)
+        return -slope * peg_radius_m / float(fit(tension * math.cos(math.exp(log_alpha)))) - 1.0
+
+    opening, wrapped, lift_off = 0.5 * math.pi - half_angle_rad, 0.0, math.log(0.5 * math.pi - half_angle_rad)
+    places, slopes = np.zeros((0, 2)), np.zeros((0, 2))
+    if peg_radius_m > 0.0 and tighter(lift_off) > 0.0:
+        lift_off = float(brentq(tighter, math.log(1e-9), lift_off, xtol=1e-14))
+        around = float(fit(tension * math.cos(math.exp(lift_off)))) / peg_radius_m
+        wrapped = (opening - math.exp(lift_off)) / around
+        turned = around * np.append(places_m[places_m <= wrapped], wrapped)
+        places = peg_radius_m * np.stack([1.0 - np.cos(turned), np.sin(turned)], axis=1)
+        slopes = peg_radius_m * around * np.stack([np.sin(turned), np.cos(turned)], axis=1)[:-1]
+    start = [lift_off, *(places[-1] if len(places) else (0.0, 0.0))]
+    free = places_m[len(slopes) :]
+    found = solve_ivp(rate, (wrapped, float(free[-1])), start, "DOP853", free, rtol=1e-11, atol=1e-13)
     alpha = np.exp(found.y[0])
     s, theta = fit(tension * np.cos(alpha)), half_angle_rad + alpha
-    return found.y[1:].T, np.stack([s * np.cos(theta), s * np.sin(theta)], axis=1)
+    slopes = np.concatenate([slopes, np.stack([s * np.cos(theta), s * np.sin(theta)], axis=1)])
+    return np.concatenate([places[:-1], found.y[1:].T]), slopes
 
 
 def graded_nodes(length_m: float, elements: int, growth: float) -> Array:
@@ -195,9 +213,18 @@ def _turning(p: Array, q: Array, stretch: Array) -> tuple[Array, Array]:
     return k, np.stack(parts, axis=-1) / square[..., None]
 
 
-def release(rod: Rod, held_stretch: float, half_angle_rad: float, nodes_m: Array, end_s: float, steps: int) -> Released:
+def release(
+    rod: Rod,
+    held_stretch: float,
+    half_angle_rad: float,
+    nodes_m: Array,
+    end_s: float,
+    steps: int,
+    peg_radius_m: float = 0.0,
+) -> Released:
     """Release the tip of the held leg at t = 0 and follow it to ``end_s``."""
-    return follow(Elements(rod, nodes_m), held_shape(rod, held_stretch, half_angle_rad, nodes_m), nodes_m, end_s, steps)
+    shape = held_shape(rod, held_stretch, half_angle_rad, nodes_m, peg_radius_m)
+    return follow(Elements(rod, nodes_m), shape, nodes_m, end_s, steps)
 
 
 def follow(mesh: Elements, shape: tuple[Array, Array], nodes_m: Array, end_s: float, steps: int) -> Released:

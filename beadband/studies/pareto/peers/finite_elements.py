@@ -36,7 +36,7 @@ class FiniteElements:
 
         rod = rod_of(scene, elements)
         nodes = method.graded_nodes(scene.wedge.reference_leg_m, elements, _GROWTH)
-        shape = method.held_shape(rod, 1.0 + scene.strain, scene.half_angle_rad, nodes)
+        shape = method.held_shape(rod, 1.0 + scene.strain, scene.half_angle_rad, nodes, scene.tip_radius_m)
         start = time.perf_counter()
         mesh = method.Elements(rod, nodes)
         ready = time.perf_counter()
