@@ -16,7 +16,7 @@ from beadband.model import correction
 from beadband.model.laws import Law
 from beadband.model.scales import FORGOTTEN_AFTER, WINDOW_BEFORE
 from beadband.model.scene import Scene
-from beadband.model.string_arrays import arrays_of, softens, string_limits
+from beadband.model.string_arrays import arrays_of, softens, string_limits, strip_speeds
 from beadband.model.validity import check_validity
 
 Array = NDArray[np.float64]
@@ -27,6 +27,8 @@ VARIED = ("strain", "half_angle_deg", "circumference_m", "thickness_m", "width_m
 
 STATED = "modulus_pa"
 """The stated E, which may be an array where EI is made of it."""
+_EXACT = 1e-9
+"""Relative error of an exact solution: of the search for its envelope, and of the integral over a fan."""
 
 
 class Formula(NamedTuple):
@@ -43,10 +45,13 @@ def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None
     Copies of a scene with a peg are asked for one by one.
 
     "speed" is V in m/s, "curvature" the mean tip curvature in its window over that of Eq. 7. Constants of the law and
-    the stated modulus may vary too, as far as :func:`varies_together` says. UsageError where one of the scenes has no
-    answer.
+    the stated modulus may vary too, as far as :func:`varies_together` says. A strip has no bending: its formula is
+    exact. UsageError where one of the scenes has no answer.
     """
     law, given = scenes_of(scene, varied or {})
+    if scene.is_strip:
+        exact = strip_speeds(law, given["density_kg_m3"], given["strain"])
+        return Formula(exact, (_EXACT if quantity == "speed" else math.inf) * exact)
     numbers, speed = _numbers(scene, law, given)
     shape = speed.shape
     found = (correction.speed_correction if quantity == "speed" else correction.curvature_correction)(numbers)
@@ -70,7 +75,7 @@ def varies_together(scene: Scene, varied: Mapping[str, Array]) -> bool:
     own = {STATED, *(one.key for one in scene.material.constants() if one.kind == "number")}
     if not constants:
         return True
-    if scene.bending_modulus != "table" or not shares_law(scene) or not own.issuperset(constants):
+    if scene.is_strip or scene.bending_modulus != "table" or not shares_law(scene) or not own.issuperset(constants):
         return False
     try:
         law, given = _law_of(scene, _broadcast(scene, varied))
@@ -94,22 +99,20 @@ def _law_of(scene: Scene, given: Mapping[str, Array]) -> tuple[Law, Mapping[str,
     return (replace(scene.material, **constants) if constants else scene.material), given  # type: ignore[type-var]
 
 
+def answered(scene: Scene, varied: Mapping[str, Any]) -> NDArray[np.bool_]:
+    """Which copies of a scene, varied as for :func:`formula`, have an answer at all."""
+    found: NDArray[np.bool_] = ~_refused(scene, *_given(scene, varied))
+    return found
+
+
 def scenes_of(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, Array]]:
     """The law, and what :data:`VARIED` and the other keys are for each scene; beside them the legs and angles.
 
     Arrays of one shape, with ``leg_m``, the reference leg, and ``half_angle_rad`` among them. UsageError where one of
     the scenes has no answer.
     """
-    law, given = _law_of(scene, _broadcast(scene, varied))
-    strain, phi = given["strain"], np.radians(given["half_angle_deg"])
-    held = 1.0 + strain
-    leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
-    thickness = given["thickness_m"]
-    # A law that softens, as those of arrays do, carries more and more up to where its tangent is gone.
-    peaked = law.tangent(held) <= 0.0 if arrays_of(law) else held >= longest_held(scene.material)
-    refused = (held * np.sin(phi) >= 1.0) | peaked
-    if scene.bending_scale > 0.0:
-        refused |= (leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg / held <= thickness)
+    law, given = _given(scene, varied)
+    refused = _refused(scene, law, given)
     if np.any(refused):
         from beadband.model.scene import scene_of
 
@@ -117,7 +120,25 @@ def scenes_of(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, A
         changed = {key: float(given[key].ravel()[at]) for key in varied}
         check_validity(scene_of({**scene.as_dict(), **changed}))
         raise UsageError(explain("a scene has no answer", changed, "a wedge that can be held", "leave it out"))
+    return law, given
+
+
+def _given(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, Array]]:
+    law, given = _law_of(scene, _broadcast(scene, varied))
+    held, phi = 1.0 + given["strain"], np.radians(given["half_angle_deg"])
+    leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
     return law, {**given, "leg_m": leg / held, "half_angle_rad": phi}
+
+
+def _refused(scene: Scene, law: Law, given: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Which scenes have no answer: those of :func:`scene_of` and :func:`check_validity`."""
+    held, phi, leg, thickness = 1.0 + given["strain"], given["half_angle_rad"], given["leg_m"], given["thickness_m"]
+    # A law that softens, as those of arrays do, carries more and more up to where its tangent is gone.
+    peaked = law.tangent(held) <= 0.0 if arrays_of(law) else held >= longest_held(scene.material)
+    refused: NDArray[np.bool_] = (held * np.sin(phi) >= 1.0) | peaked
+    if scene.bending_scale > 0.0:
+        refused |= (held * leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg <= thickness)
+    return refused
 
 
 @lru_cache(maxsize=256)
