@@ -202,6 +202,10 @@ def build_parser() -> argparse.ArgumentParser:
     launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")
     launch_map.add_argument("--jobs", metavar="N", type=int, help="processes (default: one per core)")
     launch_map.add_argument("--quick", action="store_true", help="a coarser grid of scenes with fewer beads")
+    launch_map.add_argument("--band", metavar="NAME", help="with --hand-mass: the band (default: III)")
+    axis = "values A,B,C or FIRST:LAST:COUNT, even in the logarithm"
+    launch_map.add_argument("--hand-mass", metavar="VALUES", help=f"a map over hands instead: masses in kg, {axis}")
+    launch_map.add_argument("--hand-stiffness", metavar="VALUES", help="with --hand-mass: springs in N/m (default: 0)")
     stability = command("stability", "where the methods fail: the step limit measured, and a catalogue of failures")
     stability.add_argument("--out", metavar="DIR", help="new or empty folder (default: stability)")
     stability.add_argument("--only", metavar="NAME", help="one entry of the catalogue, or map or releases")

@@ -86,6 +86,7 @@ SENTENCES: dict[str, str] = {
     "takes from the throw below {limit:.2g} % of its energy",
     "beads-for-speed": "{beads} beads: the moving rear is {rear_mm:.3g} mm long, and the rebound speed needs "
     "{value:.3g} beads in it for {limit:.2g} %",
+    "beads-for-hand": "{beads} beads: the peak force on the hand needs them",
     "tolerance-auto": "tolerance {value:.2g} %: a fifth of the error of V from the inputs, {limit:.2g} %; the "
     "usual 0.5 % would take {saved:.2g} times the beads for V",
     "beads-for-strip": "{beads} bonds over {rear_mm:.3g} mm of strip: the recoil speed needs {value:.3g} for "
@@ -185,6 +186,8 @@ SENTENCES: dict[str, str] = {
     "is no pause, the hand is hit",
     "hand-hit": "the rear hits the hand at {value:.2f} m/s, after {time_s:.4g} s and {way_mm:.3g} mm of its way",
     "hand-not-hit": "the rear did not hit the hand within {limit:g} times its arrival at a fixed finger",
+    "hand-hit-unsure": "with {beads} beads the hand is {other}: it is close to the line between hit and not hit, and "
+    "what it felt has no error",
     "finger-not-cleared": "the finger was never free of load and was not taken away: the flight is left out",
     "touched-again": "the band touched the free finger again, {count} time(s) from {start_s:.4g} s on, and {way} "
     "{value:2p} of its momentum",

@@ -282,6 +282,7 @@ _TABLE: list[Observable] = [
     _launch("hand", "what a finger that moves felt; null where it stays", "", "hand_figures", "object", null=True),
     _launch("hand.hit", "whether the rear hits it before three times the arrival at a fixed finger", "",
             "hand_figures.hit", "flag", label="hand hit"),
+    _launch("hand.hit_s", "when", "s", "hand_figures.hit_s", null=True),
     _hand("hit_speed_m_s", "speed of the rear against it at the hit", "m/s", "speed of the hit", absent="not hit"),
     _hand("peak_force_n", "largest force on it up to the hit, Hann mean of 0.03 t_f to either side", "N",
           "peak force on the hand"),

@@ -186,12 +186,16 @@ class Launch(Run):
             errors["escape_speed_m_s"] = values["escape_speed_m_s"] * errors["pause_s"] / pause
         return {name: Measured(value, errors[name]) if name in errors else value for name, value in values.items()}
 
+    @property
+    def _coarse_hand(self) -> tuple[int, HandMeasurement] | None:
+        other = self.launch_estimate
+        return (other.beads, other.hand) if isinstance(other, LaunchEstimate) and other.hand else None
+
     @cached_property
     def hand_figures(self) -> dict[str, Any] | None:
         """What the hand felt, by the names of results.json, with errors; None where the finger stays."""
-        other = self.launch_estimate
-        coarse = (other.beads, other.hand) if isinstance(other, LaunchEstimate) and other.hand else None
-        return None if self.hand is None else self.hand.figures(self.plan.beads, coarse, self.plan.speed_error)
+        hand = self.hand
+        return None if hand is None else hand.figures(self.plan.beads, self._coarse_hand, self.plan.speed_error)
 
     @property
     def shares(self) -> dict[str, float]:
@@ -273,7 +277,7 @@ class Launch(Run):
             count, start, share = len(found.touches), found.touches[0].start_s, abs(pushed / found.momentum_n_s)
             way = "lost" if pushed < 0.0 else "gained"
             more.append(notice("touched-again", count=count, start_s=start, way=way, value=share))
-        more += self.hand.remarks() if self.hand else []
+        more += self.hand.remarks(self._coarse_hand) if self.hand else []
         if self.scene.elevation_deg is not None and found.free is None:
             more.append(notice("no-flight"))
         if self.self_touch_s is not None:
