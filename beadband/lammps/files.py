@@ -23,6 +23,7 @@ ENERGY = "energy.dat"
 FINGER = "finger.dat"
 TOUCH = "touch.dat"
 HAND = "hand.dat"
+HELD = "held.dat"
 LOG = "log.lammps"
 
 

@@ -33,6 +33,7 @@ RUNGS: dict[str, Callable[[], list[Check]]] = {
         ("ring", "vibrations"),
         ("kink", "kink"),
         ("string", "stringlimit"),
+        ("strip", "strip"),
         ("orders", "orders"),
         ("conservation", "conservation"),
         ("peg", "peg"),
