@@ -14,9 +14,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from beadband.model.bands import Band
 from beadband.model.roots import root
+
+Array = NDArray[np.float64]
 
 GRAVITY_M_S2 = 9.80665
 ROUND, FLAT = 1.2, 2.0
@@ -44,32 +47,57 @@ def fly(speed_m_s: float, elevation_rad: float, height_m: float = 0.0, drag_leng
 
     ``drag_length_m`` is L of the module's text; without air it is infinite.
     """
-    start = math.asinh(math.tan(elevation_rad))
-    slow = 1.0 / (speed_m_s * math.cos(elevation_rad)) ** 2
+    curve = _Curve(speed_m_s, elevation_rad, drag_length_m)
+    end = curve.landing(height_m)
+    time, way, _ = curve.along(end)
+    landing = math.cosh(end) * float(curve.horizontal_m_s(np.array(end)))
+    return Flight(way, time, height_m + curve.along(min(curve.start, 0.0))[2], landing)
 
-    def along(end: float) -> tuple[float, float, float]:
+
+def path_m(
+    speed_m_s: float, elevation_rad: float, height_m: float = 0.0, drag_length_m: float = math.inf, points: int = 81
+) -> Array:
+    """Places (points, 2) along that flight: the way along the ground, and the height above it."""
+    curve = _Curve(speed_m_s, elevation_rad, drag_length_m)
+    ends = np.linspace(curve.start, curve.landing(height_m), points)
+    places = [curve.along(end)[1:] for end in ends.tolist()]
+    return np.array(places) + np.array([0.0, height_m])
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """A path by the variable q of its slope p = sinh(q), which falls from ``start`` on."""
+
+    speed_m_s: float
+    elevation_rad: float
+    drag_length_m: float
+
+    @property
+    def start(self) -> float:
+        return math.asinh(math.tan(self.elevation_rad))
+
+    def horizontal_m_s(self, q: Array) -> Array:
+        """Horizontal speed w."""
+        dropped = 0.5 * (math.sinh(2.0 * self.start) - np.sinh(2.0 * q)) + self.start - q  # 2 [F(p0) - F(p)]
+        slow = 1.0 / (self.speed_m_s * math.cos(self.elevation_rad)) ** 2
+        return np.asarray(1.0 / np.sqrt(slow + dropped / (GRAVITY_M_S2 * self.drag_length_m)))
+
+    def along(self, end: float) -> tuple[float, float, float]:
         """Time, way and climb down to the slope sinh(end)."""
-        q = 0.5 * (start + end) + 0.5 * (start - end) * _NODES
-        dp = 0.5 * (start - end) * _WEIGHTS * np.cosh(q)
-        w = 1.0 / np.sqrt(slow + _drop(start, q) / drag_length_m)
-        sums = w @ dp, w**2 @ dp, (w**2 * np.sinh(q)) @ dp
-        return tuple(float(each) / GRAVITY_M_S2 for each in sums)  # type: ignore[return-value]
+        half = 0.5 * (self.start - end)
+        q = end + half * (1.0 + _NODES)
+        dp, w = half * _WEIGHTS * np.cosh(q) / GRAVITY_M_S2, self.horizontal_m_s(q)
+        return float(w @ dp), float(w**2 @ dp), float((w**2 * np.sinh(q)) @ dp)
 
-    end = min(start, 0.0)
-    top = height_m + along(end)[2]
-    if top > 0.0:
-        low = end - 1.0
-        while height_m + along(low)[2] > 0.0:
+    def landing(self, height_m: float) -> float:
+        """The q at the ground."""
+        low = min(self.start, 0.0)
+        if height_m + self.along(low)[2] <= 0.0:
+            return low
+        high = low
+        while height_m + self.along(low)[2] > 0.0:
             low -= 1.0
-        end = root(lambda q: height_m + along(q)[2], low, end)
-    time, way, _ = along(end)
-    landing = math.cosh(end) / math.sqrt(slow + float(_drop(start, np.array(end))) / drag_length_m)
-    return Flight(way, time, top, landing)
-
-
-def _drop(start: float, q: np.ndarray) -> np.ndarray:
-    """2 [F(p0) - F(p)]/g."""
-    return np.asarray((0.5 * (math.sinh(2.0 * start) - np.sinh(2.0 * q)) + start - q) / GRAVITY_M_S2)
+        return root(lambda q: height_m + self.along(q)[2], low, high)
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 class Throw:
     """The flight of a launch, in air and without."""
 
+    speed_m_s: float
+    """Of the centre of mass, with which the flight begins."""
     flight: Flight
     range: Measured
     """With the errors of the throw, of the attitude in flight and of the drag coefficient."""
@@ -62,6 +64,7 @@ def throw_of(done: Launch) -> Throw | None:
     in_plane = areas.in_plane / (band.circumference_m * across)  # coefficient times width
     air_momentum = 0.5 * air * in_plane * float(np.sum(flow * interval))
     return Throw(
+        speed_m_s=speed.value,
         flight=flight,
         range=Measured(flight.range_m, math.hypot(by_speed, by_air)),
         vacuum=reach(speed.value, 0.0),

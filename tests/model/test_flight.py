@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from beadband.analysis.drag import cross_flow_m3_s2
 from beadband.model.bands import CATALOGUE
-from beadband.model.flight import CIRCLE, GRAVITY_M_S2, ROUND, drag_areas_m2, fly
+from beadband.model.flight import CIRCLE, GRAVITY_M_S2, ROUND, drag_areas_m2, fly, path_m
 from beadband.model.scene import scene_of
 
 
@@ -71,6 +71,20 @@ def test_another_method(degrees: float, height: float, length: float) -> None:
     assert flight.time_s == pytest.approx(path.t_events[0][-1], rel=1e-8)
     assert flight.range_m == pytest.approx(end[0], rel=1e-8)
     assert flight.landing_speed_m_s == pytest.approx(math.hypot(end[2], end[3]), rel=1e-8)
+
+
+def test_paths_end_where_flights_do() -> None:
+    """And they obey Newton's law: dp/dx = -g/w^2, with w from the drag along the path."""
+    path = path_m(12.0, 0.6, 1.0, 4.0, points=401)
+    flight = fly(12.0, 0.6, 1.0, 4.0)
+    assert path[-1] == pytest.approx([flight.range_m, 0.0], abs=1e-9)
+    assert path[:, 1].max() == pytest.approx(flight.top_m, rel=1e-4)
+    step = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    slope = np.diff(path[:, 1]) / np.diff(path[:, 0])
+    middle = 0.5 * (path[1:, 0] + path[:-1, 0])
+    w = 12.0 * math.cos(0.6) * np.exp(-(np.cumsum(step) - 0.5 * step) / 4.0)  # dw/ds = -w/L
+    between = 0.5 * (w[1:] + w[:-1])
+    assert np.diff(slope) / np.diff(middle) == pytest.approx(-GRAVITY_M_S2 / between**2, rel=2e-3)
 
 
 def test_air_across_a_moving_chain() -> None:

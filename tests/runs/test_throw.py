@@ -31,6 +31,7 @@ def test_a_launch_flies_to_the_ground(tmp_path: Path) -> None:
     assert max(abs(one - flight["range_m"]) for one in reached) < 2.0 * flight["range_error_m"]
     assert 0.2 < flight["across"] < 0.6
     assert 1e-3 < flight["launch_drag"] < 0.05
+    assert "flight.png" in [path.name for path in done.plot()]
     assert dispatch.analyze(tmp_path / "throw").as_dict()["launch"]["flight"] == flight
 
 
