@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from beadband.errors import UsageError, explain
 from beadband.lammps.engine import Session, kept_session
-from beadband.model.formula import STATED, VARIED, formula, shares_law, varies_together
+from beadband.model.formula import STATED, VARIED, formula, own_constants, shares_law, varies_together
 from beadband.model.laws import LAWS
 from beadband.model.scene import Scene, scene_of
 from beadband.parameters import TABLE, Parameter, checked
@@ -147,7 +147,7 @@ def alike(
     while kinds:
         chosen = kinds.pop(0)
         scene = scene_of({**plain, **{key: one[chosen[0]].item() for key, one in flat.items()}})
-        ranges = {**TABLE, **{one.key: one for one in scene.material.constants()}}
+        ranges = {**TABLE, **own_constants(scene)}
         varied = {key: _checked(ranges[key], flat[key][chosen]) for key in (*VARIED, *constants) if key in flat}
         if not varies_together(scene, varied):
             parts = _kinds([flat[key][chosen] for key in constants], len(chosen))

@@ -20,8 +20,9 @@ from beadband.model.figures import FIGURES, figures_of_scene
 from beadband.model.launch_string import string_launch
 from beadband.model.scene import scene_of
 from beadband.runs.input_errors import budget_of
+from beadband.studies.design import search
 from beadband.studies.design.ranges import box_of, spans
-from beadband.studies.design.values import closed
+from beadband.studies.design.values import closed, evaluate, quantity_of
 from beadband.studies.samples import unit_points
 from beadband.studies.sweep.grid import grid_of
 
@@ -168,7 +169,42 @@ def test_the_command_writes_table_and_picture(tmp_path: Path, capsys: pytest.Cap
     assert not (tmp_path / "none").exists()
 
 
+def test_what_the_formula_does_not_reach_is_run() -> None:
+    """Pegs and thick bands, in batches of legs or one by one: the same as asked for one by one."""
+    values = {"circumference_m": np.array([0.204, 0.204, 0.06, 0.06]), "tip_radius_m": np.array([0.0, 1e-3, 0.0, 1e-3]),
+              "thickness_m": np.array([2e-3, 2e-3, 6e-3, 3e-3])}  # fmt: skip
+    found = evaluate({**values, "tolerance": 0.02}, quantity_of("speed"))
+    assert found.by_run.tolist() == [False, True, True, True]
+    for at in range(4):
+        own = {key: float(one[at]) for key, one in values.items()}
+        single = beadband.ask(**own, tolerance=0.02)
+        assert abs(found.value[at] - single.value) <= found.error[at] + single.error
+        assert found.error[at] <= 0.02 * found.value[at]
+
+
+def test_figures_of_a_law_that_remembers_its_stretch() -> None:
+    """Its stress on the way up is that of the first loading, whatever it unloads along."""
+    softened = {"softening_r": 2.0, "softening_beta": 0.5}
+    many = closed(softened, {"strain": np.array([0.3, 0.6])})
+    for at, strain in enumerate((0.3, 0.6)):
+        alone = figures_of_scene(scene_of({**softened, "strain": strain}))
+        assert many["tension_n"][at] == alone["tension_n"]
+        plain = figures_of_scene(scene_of({"strain": strain}))
+        assert alone["tension_n"] == pytest.approx(plain["tension_n"], rel=1e-9)
+
+
 # The best band for a goal
+
+
+def test_a_search_by_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A band too thick for the formula: fewer places and longer steps; V rises with the strain up to its end."""
+    monkeypatch.setattr(search, "_LOOK", 8)
+    found = beadband.design("speed", vary={"strain": (0.4, 0.7)}, circumference=0.06, thickness=6e-3)
+    assert found.runs > 8
+    assert found.values["strain"] == pytest.approx(0.7, rel=1e-6)
+    assert found.slopes["strain"] == pytest.approx(0.75, abs=0.15)
+    assert found.confirmed is not None
+    assert found.confirmed.value == found.value
 
 
 def test_the_best_band_is_that_of_a_grid() -> None:

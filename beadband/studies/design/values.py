@@ -133,11 +133,11 @@ def _asked(values: Mapping[str, Any], quantity: Quantity, session: Session | Non
             plans = [_leg(replace(one, purpose=quantity.name)) for one in scenes]
             ran = iter(rear_runs([one for one in plans if one is not None], own))
             for at, scene, plan in zip(places, scenes, plans, strict=True):
-                measured = None if plan is None else _measured(next(ran), quantity)
-                if measured is None or not measured.error <= scene.tolerance * abs(measured.value):
+                one = None if plan is None else _of(next(ran), quantity)
+                if one is None or not one.error <= scene.tolerance * abs(one.value):
                     answer = ask(scene, quantity.name, own)
-                    measured = Measured(answer.value, answer.error)
-                value[at], error[at] = measured.value, measured.error
+                    one = Measured(answer.value, answer.error)
+                value[at], error[at] = one.value, one.error
     return Values(value, error, by_run)
 
 
@@ -148,9 +148,12 @@ def _leg(scene: Scene) -> Plan | None:
         return None
 
 
-def _measured(found: RearRun | BeadbandError, quantity: Quantity) -> Measured | None:
-    if isinstance(found, BeadbandError):
-        return None
+def _of(found: RearRun | BeadbandError, quantity: Quantity) -> Measured | None:
+    return None if isinstance(found, BeadbandError) else measured(found, quantity)
+
+
+def measured(found: RearRun, quantity: Quantity) -> Measured | None:
+    """What a run gives for the speed or the curvature, with its error; None where there is none."""
     if quantity.name == "speed":
         return found.speed
     return None if found.curvature is None else found.curvature.eq7_ratio
