@@ -106,6 +106,12 @@ def _law_of(scene: Scene, given: Mapping[str, Array]) -> Law:
     return replace(scene.material, **constants) if constants else scene.material  # type: ignore[type-var]
 
 
+def answered(scene: Scene, varied: Mapping[str, Any]) -> NDArray[np.bool_]:
+    """Which copies of a scene, varied as for :func:`formula`, have an answer at all."""
+    found: NDArray[np.bool_] = room(scene, varied) > 0.0
+    return found
+
+
 def scenes_of(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, Array]]:
     """The law, and what :data:`VARIED` and the other keys are for each scene; beside them the legs and angles.
 
