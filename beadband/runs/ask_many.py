@@ -75,7 +75,7 @@ class Looked(NamedTuple):
         return scene_of({**self.plain, **{key: each[at].item() for key, each in self.flat.items()}})
 
 
-def by_formula(values: Mapping[str, Any], quantity: str) -> Looked:
+def looked_up(values: Mapping[str, Any], quantity: str) -> Looked:
     """Answers by formula for the scenes that values with arrays among them make; UsageError as :func:`ask_many`."""
     arrays = arrays_among(values)
     shape = np.broadcast_shapes(*(one.shape for one in arrays.values()))
@@ -102,7 +102,7 @@ def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Sessio
     UsageError as :func:`beadband.runs.ask.ask`, for the first scene that has no answer.
     """
     start = time.perf_counter()
-    looked = by_formula(values, quantity)
+    looked = looked_up(values, quantity)
     shape, value, error, size = looked.shape, looked.value, looked.error, len(looked.value)
     model, runs, beads = np.full(size, "formula"), np.zeros(size, dtype=np.int64), np.zeros(size, dtype=np.int64)
     within = np.ones(size, dtype=bool)

@@ -19,7 +19,7 @@ from beadband.model.formula import shares_law
 from beadband.model.scene import Scene, scene_of
 from beadband.planning.plan import Plan, plan_of
 from beadband.runs.ask import QUANTITIES, UNITS, ask, question_of
-from beadband.runs.ask_many import alike, arrays_among, by_formula
+from beadband.runs.ask_many import alike, arrays_among, looked_up
 from beadband.runs.rear_run import rear_runs
 from beadband.runs.results import RearRun
 
@@ -116,7 +116,7 @@ def evaluate(values: Mapping[str, Any], quantity: Quantity, session: Session | N
 
 def _asked(values: Mapping[str, Any], quantity: Quantity, session: Session | None) -> Values:
     """Values by formula, and by legs in batches where that does not hold; scene by scene where a leg won't do."""
-    looked = by_formula(values, quantity.name)
+    looked = looked_up(values, quantity.name)
     value, error, by_run = looked.value, looked.error, np.zeros(looked.value.shape, dtype=bool)
     by_run[looked.left] = True
     if len(looked.left) > MOST_RUNS:
