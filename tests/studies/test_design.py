@@ -16,7 +16,7 @@ import beadband
 from beadband.cli import main
 from beadband.errors import UsageError
 from beadband.lammps.engine import Session
-from beadband.model.figures import FIGURES, figures_of_scene
+from beadband.model.figures import FIGURES, figures, figures_of_scene
 from beadband.model.launch_string import string_launch
 from beadband.model.scene import scene_of
 from beadband.runs.input_errors import budget_of
@@ -108,6 +108,11 @@ def test_figures_are_those_of_the_string_and_the_scene() -> None:
     assert found["pull_n"] == pytest.approx(2.0 * throw.tension_n * math.cos(math.radians(10.0)), rel=1e-12)
     many = closed({"strain": 0.4}, {"half_angle_deg": np.array([10.0, 35.0]), "band": np.array(["III", "III"])})
     assert found.pop("peak_strain") is None
+    rubbers = {"c10_pa": np.array([-2.4e4, 1e5, -2e4]), "c01_pa": np.array([3.4e5, 2e5, 2e5]), "strain": 0.4}
+    peaks = figures(scene_of({"strain": 0.4}), rubbers)["peak_strain"]
+    for at, (c10, c01) in enumerate(zip(rubbers["c10_pa"], rubbers["c01_pa"], strict=True)):
+        own = figures_of_scene(scene_of({"c10_pa": float(c10), "c01_pa": float(c01), "strain": 0.4}))["peak_strain"]
+        assert peaks[at] == pytest.approx(np.nan if own is None else own, rel=1e-9, nan_ok=True)
     assert {key: float(many[key][0]) for key in FIGURES} == pytest.approx(found, rel=1e-12)
     assert figures_of_scene(scene_of({"half_angle_deg": 35.0}))["throw_speed_m_s"] is None
     assert np.isnan(many["throw_speed_m_s"][1])
