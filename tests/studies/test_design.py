@@ -147,6 +147,7 @@ def test_a_strip_has_neither_finger_nor_throw() -> None:
         ({"strain": "0.3:0.4"}, {"quantity": "colour"}, "unknown quantity"),
         ({"strain": "0.3:0.4"}, {"points": 100}, "power of 2"),
         ({"strain": "0.3:0.9"}, {"tolerance": 1e-5}, "does not reach the tolerance"),
+        ({"strain": "0.3:0.9"}, {"tolerance": "auto"}, "one tolerance for all"),
         ({}, {}, "nothing varies"),
     ],
     ids=str,
@@ -294,6 +295,8 @@ def test_the_command_and_what_it_refuses(capsys: pytest.CaptureFixture[str]) -> 
         assert main([*command, *wrong]) == 2
         assert re.search(why, capsys.readouterr().err)
     assert main(["design", "--goal", "speed", "--vary", "strain=0.4 +/- 0.1"]) == 2
+    with pytest.raises(UsageError, match="does not use errors of inputs"):
+        beadband.design("speed", vary={"strain": (0.3, 0.6)}, thickness="2e-3 +/- 5e-5")
     assert main(["design", "--goal", "speed", "--vary", "band=I,II"]) == 2
     assert main(["design", "--goal", "speed", "--vary", "half-angle=50:80"]) == 2
     assert "no scene in the ranges has an answer" in capsys.readouterr().err

@@ -20,7 +20,7 @@ from beadband.model.figures import THROWS, figures_of_scene
 from beadband.model.scene import Scene, scene_of
 from beadband.model.validity import check_validity
 from beadband.notices import Notice, notice
-from beadband.parameters import TABLE
+from beadband.parameters import TABLE, refuse_errors
 from beadband.planning.plan import plan_of
 from beadband.runs.ask import Answer, ask
 from beadband.runs.rear_run import rear_run
@@ -156,6 +156,7 @@ def design(
     start = time.perf_counter()
     asked, sign = quantity_of(goal, "--goal"), -1.0 if least else 1.0
     kept = tuple(kept_of(keep or {}))
+    refuse_errors("design", values)
     ranges = varied(vary)
     for one in ranges:
         if one.error is not None:
@@ -163,7 +164,8 @@ def design(
     if not any(not one.words for one in ranges):
         raise UsageError(explain("nothing varies", "no range", "--vary NAME=LOW:HIGH", "add one"))
     tolerance = values.get("tolerance")
-    box = box_of({**values, "tolerance": max(_LOOSE, tolerance) if isinstance(tolerance, float) else _LOOSE}, ranges)
+    loose = tolerance if isinstance(tolerance, str) else max(_LOOSE, tolerance or 0.0)
+    box = box_of({**values, "tolerance": loose}, ranges)
     words = [one for one in box.ranges if one.words]
     best: tuple[float, Search, Array] | None = None
     searches, seen = [], []
