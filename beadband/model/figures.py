@@ -16,7 +16,10 @@ from beadband.model.formula import longest_held, scenes_of, section_of
 from beadband.model.launch_string import one_front, string_momentum_n_s
 from beadband.model.laws import Law
 from beadband.model.scene import Scene
-from beadband.model.string_arrays import string_limits
+from beadband.model.string_arrays import arrays_of, string_limits
+
+_SCAN_UP_TO, _SCAN_STEP, _HALVINGS = 12.0, 0.05, 40
+"""Stretches scanned for the peaks of many tensions, and halvings of the step that holds one."""
 
 FIGURES = (
     "mass_kg",
@@ -46,14 +49,14 @@ def figures_of_scene(scene: Scene) -> dict[str, float | None]:
     found = _figures(
         scene, scene.material, scene.band.area_m2, given, string.front_speed_m_s, string.wave.mean_speed_ratio
     )
-    found["peak_strain"] = longest_held(scene.material) - 1.0
+    found["peak_strain"] = _peak_strain(scene.material)
     return {key: float(value) if np.isfinite(value) else None for key, value in found.items()}
 
 
 def figures(scene: Scene, varied: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
     """The figures of copies of a scene, as :func:`beadband.model.formula.formula` varies it; arrays of one shape.
 
-    NaN for the finger and the throw of a strip, and for a throw without a closed form. UsageError where one of the
+    NaN where :func:`figures_of_scene` gives None. UsageError where one of the
     scenes has no answer.
     """
     law, given = scenes_of(scene, varied)
@@ -63,7 +66,30 @@ def figures(scene: Scene, varied: Mapping[str, Any]) -> dict[str, NDArray[np.flo
         string = string_limits(law, given["density_kg_m3"], given["strain"], given["half_angle_rad"])
         front, ratio = string.front_speed_m_s, string.mean_speed_ratio
     found = _figures(scene, law, section_of(scene, given).area_m2, given, front, ratio)
+    found["peak_strain"] = _peak_strain(law)
     return {key: np.broadcast_to(value, given["strain"].shape) for key, value in found.items()}
+
+
+def _peak_strain(law: Law) -> Any:
+    """Strain from which on a law can't be held, NaN without; of constants that are arrays an array.
+
+    As :meth:`beadband.model.laws.Law.peak_stretch`, where the tension first stops to rise below a stretch of 12.
+    """
+    if not arrays_of(law):
+        longest = longest_held(law)
+        return longest - 1.0 if np.isfinite(longest) else np.nan
+    with np.errstate(all="ignore"):
+        low = np.asarray(law.tangent(1.0), dtype=np.float64) * 0.0 + 1.0
+        high = np.full_like(low, np.nan)
+        for stretch in np.arange(1.0, _SCAN_UP_TO, _SCAN_STEP):
+            rising = np.asarray(law.tangent(stretch + _SCAN_STEP), dtype=np.float64) > 0.0
+            high = np.where(np.isnan(high) & ~rising, stretch + _SCAN_STEP, high)
+            low = np.where(np.isnan(high), stretch + _SCAN_STEP, low)
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            rising = np.asarray(law.tangent(middle), dtype=np.float64) > 0.0
+            low, high = np.where(rising, middle, low), np.where(rising, high, middle)
+    return 0.5 * (low + high) - 1.0
 
 
 def _figures(

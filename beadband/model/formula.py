@@ -18,6 +18,7 @@ from beadband.model.scales import FORGOTTEN_AFTER, WINDOW_BEFORE
 from beadband.model.scene import Scene
 from beadband.model.string_arrays import arrays_of, softens, string_limits, strip_speeds
 from beadband.model.validity import check_validity
+from beadband.parameters import Parameter
 
 Array = NDArray[np.float64]
 
@@ -65,6 +66,11 @@ def shares_law(scene: Scene) -> bool:
     return type(scene.material).__name__ not in ("Softened", "Unloading")
 
 
+def own_constants(scene: Scene) -> dict[str, Parameter]:
+    """Constants of a scene's law by their keys; none of one that remembers its held stretch."""
+    return {one.key: one for one in scene.material.constants()} if shares_law(scene) else {}
+
+
 def varies_together(scene: Scene, varied: Mapping[str, Array]) -> bool:
     """Whether copies of a scene with these constants of its law are one evaluation of :func:`formula`.
 
@@ -72,7 +78,7 @@ def varies_together(scene: Scene, varied: Mapping[str, Array]) -> bool:
     through one front, whose equation is the same for arrays of constants.
     """
     constants = [key for key in varied if key not in VARIED]
-    own = {STATED, *(one.key for one in scene.material.constants() if one.kind == "number")}
+    own = {STATED, *(key for key, one in own_constants(scene).items() if one.kind == "number")}
     if not constants:
         return True
     if scene.is_strip or scene.bending_modulus != "table" or not shares_law(scene) or not own.issuperset(constants):

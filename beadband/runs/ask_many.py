@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from beadband.errors import UsageError, explain
 from beadband.lammps.engine import Session, kept_session
-from beadband.model.formula import STATED, VARIED, formula, shares_law, varies_together
+from beadband.model.formula import STATED, VARIED, formula, own_constants, shares_law, varies_together
 from beadband.model.laws import LAWS
 from beadband.model.scene import Scene, scene_of
 from beadband.parameters import TABLE, Parameter, checked
@@ -75,7 +75,7 @@ class Looked(NamedTuple):
         return scene_of({**self.plain, **{key: each[at].item() for key, each in self.flat.items()}})
 
 
-def by_formula(values: Mapping[str, Any], quantity: str) -> Looked:
+def looked_up(values: Mapping[str, Any], quantity: str) -> Looked:
     """Answers by formula for the scenes that values with arrays among them make; UsageError as :func:`ask_many`."""
     arrays = arrays_among(values)
     shape = np.broadcast_shapes(*(one.shape for one in arrays.values()))
@@ -102,7 +102,7 @@ def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Sessio
     UsageError as :func:`beadband.runs.ask.ask`, for the first scene that has no answer.
     """
     start = time.perf_counter()
-    looked = by_formula(values, quantity)
+    looked = looked_up(values, quantity)
     shape, value, error, size = looked.shape, looked.value, looked.error, len(looked.value)
     model, runs, beads = np.full(size, "formula"), np.zeros(size, dtype=np.int64), np.zeros(size, dtype=np.int64)
     within = np.ones(size, dtype=bool)
@@ -147,7 +147,7 @@ def alike(
     while kinds:
         chosen = kinds.pop(0)
         scene = scene_of({**plain, **{key: one[chosen[0]].item() for key, one in flat.items()}})
-        ranges = {**TABLE, **{one.key: one for one in scene.material.constants()}}
+        ranges = {**TABLE, **own_constants(scene)}
         varied = {key: _checked(ranges[key], flat[key][chosen]) for key in (*VARIED, *constants) if key in flat}
         if not varies_together(scene, varied):
             parts = kinds_among([flat[key][chosen] for key in constants], len(chosen))

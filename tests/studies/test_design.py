@@ -16,12 +16,13 @@ import beadband
 from beadband.cli import main
 from beadband.errors import UsageError
 from beadband.lammps.engine import Session
-from beadband.model.figures import FIGURES, figures_of_scene
+from beadband.model.figures import FIGURES, figures, figures_of_scene
 from beadband.model.launch_string import string_launch
 from beadband.model.scene import scene_of
 from beadband.runs.input_errors import budget_of
+from beadband.studies.design import search
 from beadband.studies.design.ranges import box_of, spans
-from beadband.studies.design.values import closed
+from beadband.studies.design.values import closed, evaluate, quantity_of
 from beadband.studies.samples import unit_points
 from beadband.studies.sweep.grid import grid_of
 
@@ -107,6 +108,11 @@ def test_figures_are_those_of_the_string_and_the_scene() -> None:
     assert found["pull_n"] == pytest.approx(2.0 * throw.tension_n * math.cos(math.radians(10.0)), rel=1e-12)
     many = closed({"strain": 0.4}, {"half_angle_deg": np.array([10.0, 35.0]), "band": np.array(["III", "III"])})
     assert found.pop("peak_strain") is None
+    rubbers = {"c10_pa": np.array([-2.4e4, 1e5, -2e4]), "c01_pa": np.array([3.4e5, 2e5, 2e5]), "strain": 0.4}
+    peaks = figures(scene_of({"strain": 0.4}), rubbers)["peak_strain"]
+    for at, (c10, c01) in enumerate(zip(rubbers["c10_pa"], rubbers["c01_pa"], strict=True)):
+        own = figures_of_scene(scene_of({"c10_pa": float(c10), "c01_pa": float(c01), "strain": 0.4}))["peak_strain"]
+        assert peaks[at] == pytest.approx(np.nan if own is None else own, rel=1e-9, nan_ok=True)
     assert {key: float(many[key][0]) for key in FIGURES} == pytest.approx(found, rel=1e-12)
     assert figures_of_scene(scene_of({"half_angle_deg": 35.0}))["throw_speed_m_s"] is None
     assert np.isnan(many["throw_speed_m_s"][1])
@@ -141,6 +147,7 @@ def test_a_strip_has_neither_finger_nor_throw() -> None:
         ({"strain": "0.3:0.4"}, {"quantity": "colour"}, "unknown quantity"),
         ({"strain": "0.3:0.4"}, {"points": 100}, "power of 2"),
         ({"strain": "0.3:0.9"}, {"tolerance": 1e-5}, "does not reach the tolerance"),
+        ({"strain": "0.3:0.9"}, {"tolerance": "auto"}, "one tolerance for all"),
         ({}, {}, "nothing varies"),
     ],
     ids=str,
@@ -168,7 +175,42 @@ def test_the_command_writes_table_and_picture(tmp_path: Path, capsys: pytest.Cap
     assert not (tmp_path / "none").exists()
 
 
+def test_what_the_formula_does_not_reach_is_run() -> None:
+    """Pegs and thick bands, in batches of legs or one by one: the same as asked for one by one."""
+    values = {"circumference_m": np.array([0.204, 0.204, 0.06, 0.06]), "tip_radius_m": np.array([0.0, 1e-3, 0.0, 1e-3]),
+              "thickness_m": np.array([2e-3, 2e-3, 6e-3, 3e-3])}  # fmt: skip
+    found = evaluate({**values, "tolerance": 0.02}, quantity_of("speed"))
+    assert found.by_run.tolist() == [False, True, True, True]
+    for at in range(4):
+        own = {key: float(one[at]) for key, one in values.items()}
+        single = beadband.ask(**own, tolerance=0.02)
+        assert abs(found.value[at] - single.value) <= found.error[at] + single.error
+        assert found.error[at] <= 0.02 * found.value[at]
+
+
+def test_figures_of_a_law_that_remembers_its_stretch() -> None:
+    """Its stress on the way up is that of the first loading, whatever it unloads along."""
+    softened = {"softening_r": 2.0, "softening_beta": 0.5}
+    many = closed(softened, {"strain": np.array([0.3, 0.6])})
+    for at, strain in enumerate((0.3, 0.6)):
+        alone = figures_of_scene(scene_of({**softened, "strain": strain}))
+        assert many["tension_n"][at] == alone["tension_n"]
+        plain = figures_of_scene(scene_of({"strain": strain}))
+        assert alone["tension_n"] == pytest.approx(plain["tension_n"], rel=1e-9)
+
+
 # The best band for a goal
+
+
+def test_a_search_by_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A band too thick for the formula: fewer places and longer steps; V rises with the strain up to its end."""
+    monkeypatch.setattr(search, "_LOOK", 8)
+    found = beadband.design("speed", vary={"strain": (0.4, 0.7)}, circumference=0.06, thickness=6e-3)
+    assert found.runs > 8
+    assert found.values["strain"] == pytest.approx(0.7, rel=1e-6)
+    assert found.slopes["strain"] == pytest.approx(0.75, abs=0.15)
+    assert found.confirmed is not None
+    assert found.confirmed.value == found.value
 
 
 def test_the_best_band_is_that_of_a_grid() -> None:
@@ -253,6 +295,8 @@ def test_the_command_and_what_it_refuses(capsys: pytest.CaptureFixture[str]) -> 
         assert main([*command, *wrong]) == 2
         assert re.search(why, capsys.readouterr().err)
     assert main(["design", "--goal", "speed", "--vary", "strain=0.4 +/- 0.1"]) == 2
+    with pytest.raises(UsageError, match="does not use errors of inputs"):
+        beadband.design("speed", vary={"strain": (0.3, 0.6)}, thickness="2e-3 +/- 5e-5")
     assert main(["design", "--goal", "speed", "--vary", "band=I,II"]) == 2
     assert main(["design", "--goal", "speed", "--vary", "half-angle=50:80"]) == 2
     assert "no scene in the ranges has an answer" in capsys.readouterr().err

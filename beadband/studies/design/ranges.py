@@ -13,7 +13,7 @@ from beadband.errors import UsageError, explain
 from beadband.model.bands import known_values
 from beadband.model.scene import Scene, scene_of
 from beadband.model.uncertainty import inputs_of
-from beadband.parameters import PLANNED, TABLE, checked, key_of, parsed, uncertain
+from beadband.parameters import AUTO, PLANNED, TABLE, checked, key_of, parsed, uncertain
 
 Array = NDArray[np.float64]
 
@@ -204,6 +204,8 @@ def box_of(values: Mapping[str, Any], ranges: Sequence[Range]) -> Box:
         if values.get(one.key) is not None:
             flag = TABLE[one.key].flag
             raise _wrong(f"{flag} is varied", f"{flag} {values[one.key]}", "a value or a range", f"leave {flag} out")
+    if values.get("tolerance") == AUTO:
+        raise _wrong("a study has one tolerance for all of its scenes", AUTO, "a number", "change --tolerance")
     scene = scene_of({**values, **chosen})
     keys = [one.key for one in ranges]
     ranges += [one for one in errors_of(scene) if one.key not in keys]

@@ -19,7 +19,7 @@ from beadband.model.formula import shares_law
 from beadband.model.scene import Scene, scene_of
 from beadband.planning.plan import Plan, plan_of
 from beadband.runs.ask import QUANTITIES, UNITS, ask, question_of
-from beadband.runs.ask_many import alike, arrays_among, by_formula
+from beadband.runs.ask_many import alike, arrays_among, looked_up
 from beadband.runs.rear_run import rear_runs
 from beadband.runs.results import RearRun
 
@@ -116,7 +116,7 @@ def evaluate(values: Mapping[str, Any], quantity: Quantity, session: Session | N
 
 def _asked(values: Mapping[str, Any], quantity: Quantity, session: Session | None) -> Values:
     """Values by formula, and by legs in batches where that does not hold; scene by scene where a leg won't do."""
-    looked = by_formula(values, quantity.name)
+    looked = looked_up(values, quantity.name)
     value, error, by_run = looked.value, looked.error, np.zeros(looked.value.shape, dtype=bool)
     by_run[looked.left] = True
     if len(looked.left) > MOST_RUNS:
@@ -133,11 +133,11 @@ def _asked(values: Mapping[str, Any], quantity: Quantity, session: Session | Non
             plans = [_leg(replace(one, purpose=quantity.name)) for one in scenes]
             ran = iter(rear_runs([one for one in plans if one is not None], own))
             for at, scene, plan in zip(places, scenes, plans, strict=True):
-                measured = None if plan is None else _measured(next(ran), quantity)
-                if measured is None or not measured.error <= scene.tolerance * abs(measured.value):
+                one = None if plan is None else _of(next(ran), quantity)
+                if one is None or not one.error <= scene.tolerance * abs(one.value):
                     answer = ask(scene, quantity.name, own)
-                    measured = Measured(answer.value, answer.error)
-                value[at], error[at] = measured.value, measured.error
+                    one = Measured(answer.value, answer.error)
+                value[at], error[at] = one.value, one.error
     return Values(value, error, by_run)
 
 
@@ -148,9 +148,12 @@ def _leg(scene: Scene) -> Plan | None:
         return None
 
 
-def _measured(found: RearRun | BeadbandError, quantity: Quantity) -> Measured | None:
-    if isinstance(found, BeadbandError):
-        return None
+def _of(found: RearRun | BeadbandError, quantity: Quantity) -> Measured | None:
+    return None if isinstance(found, BeadbandError) else measured(found, quantity)
+
+
+def measured(found: RearRun, quantity: Quantity) -> Measured | None:
+    """What a run gives for the speed or the curvature, with its error; None where there is none."""
     if quantity.name == "speed":
         return found.speed
     return None if found.curvature is None else found.curvature.eq7_ratio
