@@ -61,7 +61,7 @@ def path_m(
     curve = _Curve(speed_m_s, elevation_rad, drag_length_m)
     ends = np.linspace(curve.start, curve.landing(height_m), points)
     places = [curve.along(end)[1:] for end in ends.tolist()]
-    return np.array(places) + np.array([0.0, height_m])
+    return np.asarray(np.array(places) + np.array([0.0, height_m]), dtype=np.float64)
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,8 @@ def remeasure(folder: str | os.PathLike[str], reader: Reader = read) -> Launch:
     """Measure a launch again from the files in its folder; see :func:`beadband.runs.dispatch.analyze`."""
     path = files.require(folder, files.SCENE, files.REAR, files.FINGER, files.TRAJECTORY)
     stored, prints = unchanged(path)
-    plan = launch_plan_of(scene_of(read_scene(path / files.SCENE)))
+    # A scene that does not name it is older than the contact of the band with itself.
+    plan = launch_plan_of(scene_of({"self_contact": "off", **read_scene(path / files.SCENE)}))
     if plan.self_contact is not None:
         files.require(folder, files.TOUCH)
     clock = Clock()

@@ -124,6 +124,7 @@ def test_scenes_of_a_flight() -> None:
         ({"elevation_deg": 3.0}, "--elevation is not used with until release"),
         ({"until": "launch", "height_m": 1.0}, "--height is not used without --elevation"),
         ({"until": "launch", "elevation_deg": -5.0}, "thrown at the ground"),
+        ({"until": "launch", "elevation_deg": "20 +/- 2"}, "--elevation takes no uncertainty"),
         ({"until": "launch", "elevation_deg": 90.0}, "elevation_deg is out of range"),
     ):
         with pytest.raises(ValueError, match=words):

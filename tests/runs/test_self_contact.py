@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shutil
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -48,7 +50,7 @@ def test_nothing_changes_before_the_first_touch(touches: Launch, passes: Launch)
     line = next(i for i, step in enumerate(touches.watch.steps) if step * touches.plan.timestep_s >= first)
     assert np.array_equal(touches.watch.kinetic_j[: line - 1], passes.watch.kinetic_j[: line - 1])
     on, off = (read(run.folder / files.TRAJECTORY) for run in (touches, passes))
-    before = on.times_s(touches.plan.timestep_s) < first
+    before = on.steps * touches.plan.timestep_s < first  # a frame is the mean of the steps up to its own
     assert np.array_equal(on.positions_m[before], off.positions_m[before])
     assert np.abs(on.positions_m[-1] - off.positions_m[-1]).max() > touches.scene.band.thickness_m
     # Whatever LAMMPS needs to tell neighbours apart, the files hold the four kinds of beads.
@@ -103,6 +105,16 @@ def test_files_hold_the_contact(touches: Launch) -> None:
     assert abs(story.times_s[first] - touches.self_touch_s) < 3.0 * np.diff(story.times_s).max()
     assert "overlap" in [chart.key for chart in story.charts]
     assert any("Rings" in note for note in story.notes)
+
+
+def test_older_launches_are_measured_without_it(passes: Launch, tmp_path: Path) -> None:
+    for name in (files.SCENE, files.DATA, files.REAR, files.ENERGY, files.FINGER, files.TRAJECTORY):
+        shutil.copy(passes.folder / name, tmp_path)
+    lines = (passes.folder / files.SCENE).read_text().splitlines(keepends=True)
+    (tmp_path / files.SCENE).write_text("".join(line for line in lines if "self_contact" not in line))
+    again = launch.remeasure(tmp_path)
+    assert again.overlaps is None
+    assert again.crossed_s == passes.crossed_s
 
 
 def test_places_of_touches() -> None:

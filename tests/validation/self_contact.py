@@ -5,12 +5,16 @@
 The rear overtakes the front of the flying band. A step half as long makes the finger, and with it this contact, four
 times as stiff: the overlap is to halve. The places of all beads shortly after the first touch are compared with those
 of the stiffest contact, and those of bands with other numbers of beads at the same points along them; later on a
-buckled band is chaotic. The cost is the processor time of whole launches in turns, with contact and without.
+buckled band is chaotic.
+
+A second formulation: the two sides of a symmetric launch touch on the axis, so each may touch a rigid plane along it
+instead (LAMMPS' fix wall/region). The cost is the processor time of whole launches in turns, with contact and without.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import resource
 from dataclasses import dataclass
 from typing import Any
@@ -25,7 +29,8 @@ from beadband.lammps.engine import run_script
 from beadband.lammps.scripts import write_launch
 from beadband.model.launch_string import string_launch
 from beadband.model.scene import scene_of
-from beadband.planning.launch_plan import launch_plan_of
+from beadband.planning.launch_plan import LaunchPlan, launch_plan_of
+from beadband.planning.self_contact import NEAR
 
 AFTER = 0.05
 """Time after the first touch at which shapes are compared, over that touch."""
@@ -53,10 +58,34 @@ class Met:
         return np.stack([np.interp(np.linspace(0.0, 1.0, points), along, axis) for axis in closed.T], axis=1)
 
 
-def launched(values: dict[str, Any]) -> Met:
+def mirrored(plan: LaunchPlan, text: str, stiffness_n_m: float) -> str:
+    """The script of a launch whose sides touch a plane on the axis, but for the beads round its tip and its front.
+
+    Two beads at the height y push each other by k (h - 2 y): the plane pushes each by 2 k (h/2 - y).
+    """
+    half, front = 0.5 * plan.scene.band.thickness_m, plan.beads // 2 + 1
+    round_front = math.ceil(0.5 * NEAR * plan.scene.band.thickness_m / plan.strand.spacing_m)
+    lines = []
+    for name, first, last, way in (
+        ("up", 20, front - round_front, 1),
+        ("low", front + round_front, plan.beads - 18, -1),
+    ):
+        lines += [
+            f"group {name} id {first}:{last}",
+            f"region {name} plane 0 0 0 0 {way} 0 units box",
+            f"fix {name} {name} wall/region {name} harmonic {stiffness_n_m} 1.0 {half}",
+        ]
+    return text.replace("fix             move all nve", "\n".join([*lines, "fix move all nve"]))
+
+
+def launched(values: dict[str, Any], mirror: bool = False) -> Met:
     plan = launch_plan_of(scene_of({"until": "launch", "for": "speed", "finger": "clears", "frames": 400, **values}))
     with files.scratch() as folder:
-        write_launch(folder, plan, *plan.held())
+        ring, support = plan.held()
+        write_launch(folder, plan, ring, support)
+        if mirror:
+            script = folder / files.LAUNCH_SCRIPT
+            script.write_text(mirrored(plan, script.read_text(), 0.25 * support.stiffness_n_m))
         before = resource.getrusage(resource.RUSAGE_SELF).ru_utime
         run_script(folder, files.LAUNCH_SCRIPT)
         cpu = resource.getrusage(resource.RUSAGE_SELF).ru_utime - before
@@ -99,6 +128,15 @@ def main() -> None:
         off = np.abs(met.shape_m(time_s) - finer[-1].shape_m(time_s)).max() / thickness
         print(f"{beads:<11d} {met.first_s * 1e3:8.4f} ms {met.overlap:9.3%} {met.balance:9.1e} {met.crossed:10d} "
               f"{off:18.4f} h")  # fmt: skip
+    # Band IV's front folds in on the axis: there its two sides touch.
+    folds = {"band": "IV", "strain": 0.476, "half_angle_deg": 14.0, "beads": 800}
+    pairs, plane = launched(folds), launched({**folds, "self_contact": "off"}, mirror=True)
+    none, wide = launched({**folds, "self_contact": "off"}), scene_of({"band": "IV"}).band.thickness_m
+    print("IV          from pairs: a plane on the axis   no contact")
+    for later_s in (0.5e-3, 1.5e-3, 2.5e-3):
+        shape = pairs.shape_m(pairs.first_s + later_s, 800)
+        off, apart = (np.abs(met.shape_m(pairs.first_s + later_s, 800) - shape).max() / wide for met in (plane, none))
+        print(f"+{later_s * 1e3:.1f} ms {off:26.4f} h {apart:19.4f} h")
     turns = [[launched({**scene, "self_contact": contact}).cpu_s for contact in ("on", "off")] for _ in range(3)]
     on, off_s = (min(turn[i] for turn in turns) for i in (0, 1))
     print(f"a launch with contact took {on / off_s:.2f} times the processor time of one without")
