@@ -82,8 +82,11 @@ SENTENCES: dict[str, str] = {
     # The plan's reasons
     "beads-for-curvature": "{beads} beads: the held tip bends over a layer of {layer_mm:.3g} mm, and the tip curvature "
     "needs beads closer than {value:.2g} of it ({spacing_mm:.3g} mm); the speed alone needs {for_speed}",
+    "beads-for-launch": "{beads} beads: the numerical loss spreads a front that is no shock, and they keep what it "
+    "takes from the throw below {limit:.2g} % of its energy",
     "beads-for-speed": "{beads} beads: the moving rear is {rear_mm:.3g} mm long, and the rebound speed needs "
     "{value:.3g} beads in it for {limit:.2g} %",
+    "beads-for-hand": "{beads} beads: the peak force on the hand needs them",
     "tolerance-auto": "tolerance {value:.2g} %: a fifth of the error of V from the inputs, {limit:.2g} %; the "
     "usual 0.5 % would take {saved:.2g} times the beads for V",
     "beads-for-strip": "{beads} bonds over {rear_mm:.3g} mm of strip: the recoil speed needs {value:.3g} for "
@@ -183,6 +186,8 @@ SENTENCES: dict[str, str] = {
     "is no pause, the hand is hit",
     "hand-hit": "the rear hits the hand at {value:.2f} m/s, after {time_s:.4g} s and {way_mm:.3g} mm of its way",
     "hand-not-hit": "the rear did not hit the hand within {limit:g} times its arrival at a fixed finger",
+    "hand-hit-unsure": "with {beads} beads the hand is {other}: it is close to the line between hit and not hit, and "
+    "what it felt has no error",
     "finger-not-cleared": "the finger was never free of load and was not taken away: the flight is left out",
     "touched-again": "the band touched the free finger again, {count} time(s) from {start_s:.4g} s on, and {way} "
     "{value:2p} of its momentum",
@@ -193,6 +198,14 @@ SENTENCES: dict[str, str] = {
     # Studies of many scenes
     "indices-of-errors": "single values have errors of up to {value:.2g} of their standard deviation over the ranges: "
     "the indices are in part those of these errors; lower --tolerance or widen the ranges",
+    "design-on-bound": "{name} is at the {value} end of its range, {limit}: a better band may lie beyond",
+    "design-at-edge": "the optimum lies {value:.2g} from the edge of what can be held or described: a better band may "
+    "lie beyond it",
+    "design-indifferent": "{name} changes neither the goal nor what is kept: its value is arbitrary",
+    "throw-without-bending": "the throw was made best in the string limit, without bending; a run of it with bending "
+    "gives {value:.4g}{unit}, {share:+.1%}",
+    "design-not-confirmed": "the optimum was had as {value:.4g}{unit}, and a run of it gives {limit:.4g}{unit}: more "
+    "than both errors apart",
     # Fits of laws to a tensile test
     "fit-undetermined": "the test does not determine {name}: its standard error is {value:.2g} of it",
     "fit-peak": "the tension of this fit peaks at a stretch of {value:.4g}, within the test, which goes to "

@@ -17,11 +17,11 @@ from typing import Any
 
 from beadband.errors import UsageError, explain
 
-COMMANDS = ("plan", "run", "ask", "find", "sweep", "sensitivity", "pareto")
+COMMANDS = ("plan", "run", "ask", "find", "sweep", "sensitivity", "design", "pareto")
 """Commands that take a scene."""
 _RUNS = ("plan", "run")
 _PLANNED = ("plan", "run", "sweep")
-_TOLERANT = ("plan", "run", "ask", "find", "sweep", "sensitivity")
+_TOLERANT = ("plan", "run", "ask", "find", "sweep", "sensitivity", "design")
 UNUSED = "unused-parameter"
 """Code of the error for a parameter that was given and that nothing uses."""
 FEWEST_BEADS = 24

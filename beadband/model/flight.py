@@ -60,9 +60,8 @@ def path_m(
     """Places (points, 2) along that flight: the way along the ground, and the height above it."""
     curve = _Curve(speed_m_s, elevation_rad, drag_length_m)
     ends = np.linspace(curve.start, curve.landing(height_m), points)
-    places: Array = np.array([curve.along(end)[1:] for end in ends.tolist()])
-    places[:, 1] += height_m
-    return places
+    places = [curve.along(end)[1:] for end in ends.tolist()]
+    return np.asarray(np.array(places) + np.array([0.0, height_m]), dtype=np.float64)
 
 
 @dataclass(frozen=True)

@@ -469,18 +469,6 @@ def _planned(names: Any) -> tuple[str, ...]:
 
 def _refuse_unused(scene: Scene, given: Mapping[str, Any]) -> None:
     """Refuse what was given and needs another value beside it to be used."""
-    if scene.bending_scale == 0.0 and scene.bending_modulus != TABLE["bending_modulus"].default:
-        wrong, value = "--bending-modulus is not used without bending", f"{scene.bending_modulus} and --bending-scale 0"
-        allowed, advice = "--bending-modulus with --bending-scale above 0", "leave one of the two out"
-        raise UsageError(explain(wrong, f"--bending-modulus {value}", allowed, advice), UNUSED)
-    if scene.bending_scale == 0.0 and scene.tip_radius_m > 0.0:
-        wrong, value = "--tip-radius is not used without bending", f"{scene.tip_radius_m:g} m and --bending-scale 0"
-        allowed, advice = "--tip-radius with --bending-scale above 0", "leave one of the two out"
-        raise UsageError(explain(wrong, f"--tip-radius {value}", allowed, advice), UNUSED)
-    if scene.tip_radius_m == 0.0 and dict(scene.errors).get("tip_radius_m"):
-        wrong, allowed = "a tip held at a point has no radius to be uncertain", "a radius above 0 m with an error"
-        value = f"--tip-radius 0 +/- {dict(scene.errors)['tip_radius_m']:g} m"
-        raise UsageError(explain(wrong, value, allowed, "give the radius, or leave the error out"))
     state = {"until": scene.until, "finger": scene.finger, "shape": scene.shape}
     state["elevation_deg"] = "missing" if scene.elevation_deg is None else GIVEN
     for one in (TABLE[key] for key in given if key in TABLE):
@@ -507,6 +495,14 @@ def _refuse_unused(scene: Scene, given: Mapping[str, Any]) -> None:
         wrong, value = "--bending-modulus is not used without bending", f"{scene.bending_modulus} and --bending-scale 0"
         allowed, advice = "--bending-modulus with --bending-scale above 0", "leave one of the two out"
         raise UsageError(explain(wrong, f"--bending-modulus {value}", allowed, advice), UNUSED)
+    if scene.bending_scale == 0.0 and scene.tip_radius_m > 0.0:
+        wrong, value = "--tip-radius is not used without bending", f"{scene.tip_radius_m:g} m and --bending-scale 0"
+        allowed, advice = "--tip-radius with --bending-scale above 0", "leave one of the two out"
+        raise UsageError(explain(wrong, f"--tip-radius {value}", allowed, advice), UNUSED)
+    if scene.tip_radius_m == 0.0 and dict(scene.errors).get("tip_radius_m"):
+        wrong, allowed = "a tip held at a point has no radius to be uncertain", "a radius above 0 m with an error"
+        value = f"--tip-radius 0 +/- {dict(scene.errors)['tip_radius_m']:g} m"
+        raise UsageError(explain(wrong, value, allowed, "give the radius, or leave the error out"))
 
 
 def _refuse_without_answer(scene: Scene) -> None:

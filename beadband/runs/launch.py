@@ -126,9 +126,10 @@ def ended(plan: LaunchPlan, watch: Watch) -> Plan:
 
 
 def _launch_of(plan: LaunchPlan, watch: Watch) -> LaunchMeasurement:
-    band, step = plan.scene.band, plan.timestep_s
+    band, step, string = plan.scene.band, plan.timestep_s, plan.string
     mass = band.mass_per_length_kg_m * band.circumference_m
-    return measure_launch(watch, step, mass, plan.strand.spacing_m, plan.gap_margin_m, plan.idle_steps * step)
+    shape = 2.0 * string.tension_n, string.turning_1_s
+    return measure_launch(watch, step, mass, plan.strand.spacing_m, plan.gap_margin_m, plan.idle_steps * step, *shape)
 
 
 def _measured(

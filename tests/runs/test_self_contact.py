@@ -50,7 +50,7 @@ def test_nothing_changes_before_the_first_touch(touches: Launch, passes: Launch)
     line = next(i for i, step in enumerate(touches.watch.steps) if step * touches.plan.timestep_s >= first)
     assert np.array_equal(touches.watch.kinetic_j[: line - 1], passes.watch.kinetic_j[: line - 1])
     on, off = (read(run.folder / files.TRAJECTORY) for run in (touches, passes))
-    before = on.times_s(touches.plan.timestep_s) < first
+    before = on.steps * touches.plan.timestep_s < first  # a frame is the mean of the steps up to its own
     assert np.array_equal(on.positions_m[before], off.positions_m[before])
     assert np.abs(on.positions_m[-1] - off.positions_m[-1]).max() > touches.scene.band.thickness_m
     # Whatever LAMMPS needs to tell neighbours apart, the files hold the four kinds of beads.

@@ -39,6 +39,7 @@ RUNGS: dict[str, Callable[[], list[Check]]] = {
         ("peg", "peg"),
         ("self-contact", "self_contact"),
         ("flight", "flight"),
+        ("hand", "hand"),
     )
 }
 """The rungs in the order in which they build on each other."""
