@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from beadband.errors import RunError, explain
 from beadband.model.angle_forms import QUARTIC
 from beadband.model.peg import Peg
 from beadband.statics.chain import Array, solve_blocks
@@ -51,13 +52,15 @@ def peg_leg(request: LegRequest, peg: Peg | None, tip: tuple[float, float] = LEG
         return PegLeg(shape.leg(shape.settled(1), 1), 1)
     count = min(1 + math.floor(peg.wrapped_m / request.strand.spacing_m), request.bonds - 1)
     unknown = shape.settled(count)
-    inside = shape.overlaps(unknown, count)
-    while inside and count < request.bonds - 1:
-        count += 1
-        unknown = shape.settled(count, unknown)
-        if not shape.overlaps(unknown, count):
-            break
-    while not inside and count > 1:
+    if shape.overlaps(unknown, count):
+        while shape.overlaps(unknown, count):
+            if count == request.bonds - 1:
+                allowed = "some beyond the peg"
+                raise RunError(explain("the leg ends on its peg", f"{request.bonds} bonds", allowed, "raise --beads"))
+            count += 1
+            unknown = shape.settled(count, unknown)
+        return PegLeg(shape.leg(unknown, count), count)
+    while count > 1:
         fewer = shape.settled(count - 1, unknown)
         if shape.overlaps(fewer, count - 1):
             break
@@ -89,18 +92,17 @@ class _Shape:
     def start(self, count: int, near: Array | None) -> Array:
         """Unknowns to begin with: of beads without end, or those ``near`` with one bead more or less on the circle.
 
-        A bond whose upper bead goes onto the circle, or off it, keeps its direction.
+        A bead that goes onto the circle does so along its radius; a bond that leaves it keeps its direction.
         """
         if near is None:
             return np.concatenate([self.step * np.arange(1, count), self.free[count - 1 :]])
-        last = count - 2 if self.on_circle < count else count - 1  # the unknown that changes its meaning
-        sum_of_angles = math.pi - 2.0 * self.phi
-        below = near[last - 1] if last else 0.0
-        at = near.copy()
-        if self.on_circle < count:
-            at[last] = sum_of_angles - 2.0 * near[last] - below
+        at, more = near.copy(), self.on_circle < count
+        last = count - 2 if more else count - 1  # the unknown that changes its meaning
+        if more:
+            x, y = self.leg(near, self.on_circle).positions_m[last + 1]
+            at[last] = math.atan2(y, self.radius * self.request.strand.spacing_m - x)
         else:
-            at[last] = 0.5 * (sum_of_angles - near[last] - below)
+            at[last] = math.pi / 2.0 - self.phi - 0.5 * (near[last] + (near[last - 1] if last else 0.0))
         return at
 
     def settled(self, count: int, near: Array | None = None) -> Array:

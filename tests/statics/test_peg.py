@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from beadband.errors import UsageError
+from beadband.errors import RunError, UsageError
 from beadband.lammps.engine import Session, load
 from beadband.lammps.scripts import write_ring
 from beadband.model.peg import own_radius_m
@@ -119,6 +119,12 @@ def test_lammps_feels_the_same_equilibrium(tmp_path: Path, monkeypatch: pytest.M
     assert on_peg.sum() >= 3
     turned = force[on_peg, 0] * outward[on_peg, 1] - force[on_peg, 1] * outward[on_peg, 0]
     assert np.abs(turned).max() < 1e-8 * ring.tension_n * 2e-3
+
+
+def test_a_leg_that_ends_on_its_peg_is_refused() -> None:
+    scene = scene_of({"tip_radius_m": 8e-3})
+    with pytest.raises(RunError, match="ends on its peg"):
+        peg_leg(LegRequest(scene.strand(1000), 20, scene.strain, scene.half_angle_rad), scene.peg)
 
 
 def test_legs_that_are_straight_nowhere_are_refused() -> None:
