@@ -107,6 +107,7 @@ class Question:
         """Beads of the coarsest level."""
         scene, length = self.scene, self.scene.band.circumference_m
         fewest = [FEWEST_LEG_BONDS * length / scene.wedge.reference_leg_m, 24.0]
+        fewest.append(0.5 * length / error_curves.peg_spacing_m(scene))
         if self.quantity == "speed":
             fewest.append(2.0 * error_curves.LEAST_RESOLUTION * length / scene.scales.rear_length_m)
         else:

@@ -43,10 +43,14 @@ class PegLeg(NamedTuple):
 
 
 def peg_leg(request: LegRequest, peg: Peg | None, tip: tuple[float, float] = LEG_TIP) -> PegLeg:
-    """Solve for the leg on a peg, or held at a point; RunError when it does not settle.
+    """Solve for the leg on a peg, or held at a point, also where the beads are too far apart for the peg.
+
+    RunError when it does not settle.
 
     ``tip`` is :data:`LEG_TIP` for a leg that is released by itself, :data:`RING_TIP` for the tip of a ring.
     """
+    if peg is not None and request.strand.spacing_m > peg.widest_m:
+        peg = None
     shape = _Shape(request, peg, tip)
     if peg is None:
         return PegLeg(shape.leg(shape.settled(1), 1), 1)
@@ -121,6 +125,16 @@ class _Shape:
         unknown, error = damped_newton(self.start(count, near), lambda at: self.imbalance(at, count), step, _GOAL)
         if not error <= BOUND:
             raise no_equilibrium(error)
+        if (self.request.strand.law.tangent(self.chords(unknown, count)) <= 0.0).any():
+            raise RunError(
+                explain(
+                    "the band on its peg is stretched past its tension peak",
+                    f"{count} beads on the peg",
+                    "more of them, which share the turning",
+                    "raise --beads",
+                ),
+                "no-equilibrium",
+            )
         self.on_circle = count
         return unknown
 
@@ -160,7 +174,7 @@ class _Shape:
         law, r, half = self.request.strand.law, self.radius, 0.5 * np.diff(theta)
         diagonal, beside = np.zeros(len(at)), np.zeros(len(at))
         if chords:
-            stretch = 2.0 * r * np.sin(half)
+            stretch = self.chords(at, count)
             pull = law.stress(stretch) / self.held_pa
             force = pull * r * np.cos(half)
             stiff = law.tangent(stretch) / self.held_pa * (r * np.cos(half)) ** 2 - 0.5 * pull * r * np.sin(half)
@@ -175,6 +189,13 @@ class _Shape:
         gradient[chords:] += free * np.sin(alpha)
         diagonal[chords:] += free * np.cos(alpha) - self.held_pa / law.tangent(free) * np.sin(alpha) ** 2
         return gradient, turns, self.weight * curve, diagonal, beside
+
+    def chords(self, at: Array, count: int) -> Array:
+        """Stretches of the bonds between beads on the circle."""
+        stretch: Array = (
+            2.0 * self.radius * np.sin(0.5 * np.diff(at[: count - 1], prepend=0.0)) if count > 1 else at[:0]
+        )
+        return stretch
 
     def free_stretches(self, alpha: Array) -> Array:
         """Stretches of free bonds by their angles to the leg's line."""
