@@ -127,6 +127,26 @@ def test_a_leg_that_ends_on_its_peg_is_refused() -> None:
         peg_leg(LegRequest(scene.strand(1000), 20, scene.strain, scene.half_angle_rad), scene.peg)
 
 
+def test_beads_too_far_apart_hold_the_tip_as_at_a_point() -> None:
+    plan = planned(2e-3, 120)
+    assert "peg-unresolved" in {one.code for one in plan.warnings}
+    point = hold_leg(planned(0.0, 120)).positions_m[:20]
+    assert hold_leg(plan).positions_m[:20] == pytest.approx(point, abs=1e-8)
+    # Its own plan has beads for the peg, and the coarse run as well, even next to a tension peak.
+    near_peak = {"band": "IV", "strain": 0.95, "half_angle_deg": 6.0}
+    for values in ({"tip_radius_m": 2e-3}, {"tip_radius_m": 7e-3, **near_peak}):
+        scene = scene_of({**values, "for": "speed"})
+        peg, beads = scene.peg, plan_of(scene, "leg").beads
+        assert peg is not None
+        assert 2.0 * scene.strand(beads).spacing_m < peg.widest_m
+        for count in (beads, beads // 2):
+            strand = scene.strand(count)
+            held, on_peg = peg_leg(LegRequest(strand, count // 4, scene.strain, scene.half_angle_rad), peg)
+            assert on_peg >= 3
+            bonds = np.hypot(*np.diff(held.positions_m, axis=0).T) / strand.spacing_m
+            assert bonds.max() < 1.02 * (1.0 + scene.strain)
+
+
 def test_legs_that_are_straight_nowhere_are_refused() -> None:
     with pytest.raises(UsageError, match="legs are too short"):
         hold(planned(8e-3, 400, "ring", bending_scale=30.0))
