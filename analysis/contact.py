@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from beadband.analysis.fits import Array, Measured
 from beadband.analysis.readers import Watch
@@ -62,14 +63,18 @@ class LaunchMeasurement:
 
 
 def impulse_n_s(watch: Watch, timestep_s: float) -> float:
-    """Impulse of the finger on the band by the rule of the integrator itself.
+    """Impulse of the finger on the band by the rule of the integrator itself."""
+    return verlet_integral(watch.steps, watch.mean_force_n, watch.force_n, timestep_s)
 
-    Velocity Verlet adds half a step of the force before and half of the one after: the sum over all steps less half
-    of the difference of the last to the first force.
+
+def verlet_integral(steps: NDArray[np.int64], means: Array, values: Array, timestep_s: float) -> float:
+    """What velocity Verlet adds up of a quantity, from its means between lines and its values at them, each (lines,).
+
+    It takes half a step of the value before and half of the one after: the sum over all steps less half of the
+    difference of the last to the first value.
     """
-    intervals = np.diff(watch.steps, prepend=0)
-    total = float(np.sum(watch.mean_force_n * intervals))
-    return timestep_s * (total - 0.5 * (float(watch.force_n[-1]) - float(watch.force_n[0])))
+    total = float(np.sum(means * np.diff(steps, prepend=0)))
+    return timestep_s * (total - 0.5 * (float(values[-1]) - float(values[0])))
 
 
 def finger_free(times_s: Array, mean_force_n: Array, held_n: float, idle_s: float) -> Measured | None:

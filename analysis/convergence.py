@@ -2,11 +2,12 @@
 
 Two rules, after what is known of the errors of the levels.
 
-*Measured curves* (:func:`limit_of`): the relative error of level i is modelled as drift x (h_i)^p + noise, both with
-known sizes: what many converged scenes have shown (planning.error_curves). The limit is the generalized least squares
-mean, so levels that fall with the order p are carried on to no spacing, and where noise is as large as their drift they
-are not. Other, independent answers to the same question (a formula with a bar) join as further observations. Where the
-levels differ by more than their sizes allow the error grows with them (Birge ratio).
+*Measured curves* (:func:`limit_of`): how large the relative errors of the levels are, and how far they go together, is
+known from what many converged scenes have shown (planning.ladder): a smooth part that falls with the order of the
+method, and one that changes from level to level. The limit is the generalized least squares mean, so levels that fall
+together are carried on to no spacing, and where noise is as large as their drift they are not. Other, independent
+answers to the same question (a formula with a bar) join as further observations. Where the levels differ by more than
+their sizes allow the error grows with them (Birge ratio).
 
 *Nothing but the levels* (:func:`plain_error`): "the finer run is closer than the difference" holds from the first
 order on alone. An order of at least 1/2 is taken for granted; every coarser level says how far off the finest may be,
@@ -41,31 +42,18 @@ class Limit(NamedTuple):
     """What each observation counts; shape (levels,), or one more where something is known beside them."""
 
 
-def limit_of(
-    spacing: Array,
-    values: Array,
-    noise: Array,
-    drift: float,
-    order: float,
-    known: tuple[float, float] | None = None,
-) -> Limit:
-    """Limit of ``values`` (levels,) at the spacings (levels,), and its standard error.
+def limit_of(values: Array, covariance: Array, known: tuple[float, float] | None = None) -> Limit:
+    """Limit of ``values`` (levels,) for beads without end, and its standard error.
 
     Parameters
     ----------
-    spacing
-        Bead spacings in units of the one at which ``drift`` was measured.
     values
         Of one sign, any unit; at least one.
-    noise
-        Relative standard error of each level that does not go with the others', shape (levels,).
-    drift, order
-        The common part is drift x spacing^order, ``drift`` its relative standard error at spacing 1.
+    covariance
+        Of the relative errors of the levels, shape (levels, levels).
     known
         Value and standard error of an independent answer.
     """
-    common = drift * spacing**order
-    covariance = np.outer(common, common) + np.diag(noise**2)
     scale, ratios = float(values[0]), values / values[0]
     if known is not None:
         size = len(values)

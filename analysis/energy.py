@@ -42,11 +42,13 @@ class LaunchBalance(Balance):
     """Energies of a launch, with that of the contact: the finger gives way a little under its load."""
 
     contact_j: Array
+    hand_j: Array
+    """What a hand that moves has taken: motion, spring, damper, less the work of its preload; 0 where it stays."""
 
     @property
     def total_j(self) -> Array:
         """Sum of all of them, shape (lines,)."""
-        return super().total_j + self.contact_j
+        return super().total_j + self.contact_j + self.hand_j
 
 
 def balance(energies: Energies, timestep_s: float) -> Balance:
@@ -54,9 +56,10 @@ def balance(energies: Energies, timestep_s: float) -> Balance:
     return Balance(**_parts(energies, timestep_s))
 
 
-def launch_balance(watch: Watch, timestep_s: float) -> LaunchBalance:
-    """Energies of a launch at the lines of its finger.dat."""
-    return LaunchBalance(**_parts(watch, timestep_s), contact_j=watch.contact_j)
+def launch_balance(watch: Watch, timestep_s: float, hand_j: Array | None = None) -> LaunchBalance:
+    """Energies of a launch at the lines of its finger.dat; ``hand_j`` are those of a hand that moves."""
+    hand = np.zeros(len(watch.steps)) if hand_j is None else hand_j
+    return LaunchBalance(**_parts(watch, timestep_s), contact_j=watch.contact_j, hand_j=hand)
 
 
 def _parts(lines: Energies | Watch, timestep_s: float) -> dict[str, Array]:

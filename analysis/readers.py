@@ -250,6 +250,51 @@ def read_watch(path: str | os.PathLike[str]) -> Watch:
     return Watch(steps.astype(np.int64), *(np.ascontiguousarray(column) for column in columns))
 
 
+@dataclass(frozen=True)
+class HandPath:
+    """Lines of hand.dat at the steps of finger.dat, arrays of shape (lines,); SI units, X along the throw."""
+
+    steps: NDArray[np.int64]
+    x_m: Array
+    velocity_m_s: Array
+    mean_x_m: Array
+    """Mean over the steps since the line before; so are the next two."""
+    mean_velocity_m_s: Array
+    mean_square_m2_s2: Array
+
+
+def read_hand(path: str | os.PathLike[str]) -> HandPath:
+    """Read hand.dat; ReadError when it is missing or cut short."""
+    steps, *columns = _columns(path, len(fields(HandPath)), 3)
+    return HandPath(steps.astype(np.int64), *(np.ascontiguousarray(column) for column in columns))
+
+
+@dataclass(frozen=True)
+class Pull:
+    """Lines of held.dat, arrays of shape (lines,), the first at the release; SI units."""
+
+    steps: NDArray[np.int64]
+    mean_force_n: Array
+    """Force of the strip on its held end along x, mean over the steps since the line before."""
+    force_n: Array
+    """The same at this step."""
+    momentum_n_s: Array
+
+    def times_s(self, timestep_s: float) -> Array:
+        """Time of each line."""
+        return np.asarray(self.steps * timestep_s, dtype=np.float64)
+
+    def require_steps(self, last: int) -> None:
+        """ReadError unless the lines go from step 0 to ``last``."""
+        _require_steps("file of the held end", self.steps, last)
+
+
+def read_pull(path: str | os.PathLike[str]) -> Pull:
+    """Read held.dat; ReadError when it is missing or cut short."""
+    steps, *columns = _columns(path, len(fields(Pull)), 2)
+    return Pull(steps.astype(np.int64), *(np.ascontiguousarray(column) for column in columns))
+
+
 def _columns(path: str | os.PathLike[str], width: int, fewest: int) -> Array:
     try:
         table = np.loadtxt(path, ndmin=2)

@@ -13,6 +13,7 @@ _PUBLIC = {
     "scene": "api",
     "ask": "api",
     "find": "api",
+    "sensitivity": "api",
     "fit": "model.fitting",
     "load": "runs.dispatch",
     "analyze": "runs.dispatch",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from beadband.model.scene import Scene, scene_of
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from beadband.runs.ask_many import Answers
     from beadband.runs.launch_results import Launch
     from beadband.runs.results import Run
+    from beadband.studies.design.sensitivity import Sensitivity
     from beadband.studies.find import Found
 
 
@@ -81,6 +82,28 @@ def find(parameter: str, *, speed: float, **parameters: Any) -> Found:
     from beadband.studies.find import find as search
 
     return search(flat_scene(parameters, "the keywords"), parameter.replace("_", "-"), speed)
+
+
+def sensitivity(
+    *,
+    vary: Mapping[str, Any] | None = None,
+    spans: Sequence[str] = (),
+    quantity: str = "speed",
+    points: int = 4096,
+    seed: int = 0,
+    **parameters: Any,
+) -> Sensitivity:
+    """Sobol' indices of first and total order of a quantity over ranges of inputs, with 95 % intervals.
+
+    ``vary`` names inputs and what each varies over: ``{"strain": (0.2, 0.8), "thickness": "2e-3 +/- 5e-5",
+    "band": ["I", "III"]}``. Bands in ``spans`` vary what they span, and the rubber. The other keywords are those of a
+    scene; inputs with errors vary too. ``.rows()``, ``.indices`` and ``.as_dict()`` hold the result, ``.write(folder)``
+    keeps it. UsageError where a scene in the ranges has no answer, RunError when LAMMPS fails.
+    """
+    from beadband.studies.design.sensitivity import sensitivity as study
+
+    values = flat_scene(parameters, "the keywords")
+    return study(values, vary=vary, spanned=spans, quantity=quantity, points=points, seed=seed)
 
 
 def _scene(given: Scene | None, parameters: dict[str, Any]) -> Scene:

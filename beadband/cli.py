@@ -146,7 +146,42 @@ def build_parser() -> argparse.ArgumentParser:
     sweep.add_argument(
         "--random", metavar="N", type=int, help="draw N scenes from the ranges instead of the whole grid"
     )
+    sweep.add_argument(
+        "--sample",
+        metavar="KIND",
+        help="how they are drawn: random, latin-hypercube or sobol (with --random; default: random)",
+    )
     sweep.add_argument("--seed", metavar="S", type=int, help="seed of the draws (with --random; default: 0)")
+    sweep.add_argument(
+        "--by", metavar="WAY", help="cheapest: the formula where it will do; runs: none (default: by the tolerance)"
+    )
+    sweep.add_argument("--parquet", action="store_true", help="write sweep.parquet too (needs pyarrow)")
+    sweep.add_argument(
+        "--executor", metavar="MODULE:FACTORY", help="what runs the scenes: any executor of concurrent.futures"
+    )
+    sweep.add_argument(
+        "--hang-after", metavar="S", type=float, help="seconds beyond the expected ones until a worker is given up"
+    )
+    sensitivity = command("sensitivity", "which input's range decides the answer: Sobol' indices", scene=True)
+    _vary(sensitivity)
+    sensitivity.add_argument(
+        "--spans",
+        metavar="BANDS",
+        help="vary what these bands of the catalogue span, as in I,II,III,IV, and the rubber",
+    )
+    sensitivity.add_argument(
+        "--quantity",
+        metavar="NAME",
+        default="speed",
+        help="speed, curvature, or a closed form such as stored-energy, pull or throw-momentum (default: speed)",
+    )
+    sensitivity.add_argument(
+        "--points", metavar="N", type=int, help="points of each of two samples, a power of 2 (default: 4096)"
+    )
+    sensitivity.add_argument("--seed", metavar="S", type=int, default=0, help="seed of the points (default: 0)")
+    sensitivity.add_argument(
+        "--out", metavar="DIR", help="new or empty folder of table and picture (default: sensitivity)"
+    )
     launch_map = command("launch-map", "pause and efficiency of launches over strain and half-angle")
     launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")
     launch_map.add_argument("--jobs", metavar="N", type=int, help="processes (default: one per core)")
@@ -159,6 +194,16 @@ def build_parser() -> argparse.ArgumentParser:
     pareto.add_argument("--out", metavar="DIR", help="new or empty folder (default: pareto)")
     pareto.add_argument("--quick", action="store_true", help="fewer methods and sizes")
     return parser
+
+
+def _vary(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--vary",
+        metavar="NAME=RANGE",
+        action="append",
+        default=[],
+        help="an input and its range, as in strain=0.2:1.2, thickness='2e-3 +/- 5e-5' or band=I,III; several times",
+    )
 
 
 def reference() -> str:

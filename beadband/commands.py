@@ -241,16 +241,32 @@ def reproduce(arguments: Namespace) -> int:
 
 def sweep(arguments: Namespace) -> int:
     """Release a grid of scenes."""
-    from beadband.lammps.ranks import world
+    from beadband.lammps.ranks import stop_others, world
     from beadband.reporting import summary as tables
     from beadband.studies import sweep as sweeping
+    from beadband.studies.engines import engine_of, left_behind
     from beadband.studies.sweep.grid import grid_of, read_grid
 
     values = read_grid(arguments.grid) if arguments.grid is not None else {}
-    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed)
+    grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed, arguments.sample)
     out = arguments.out if arguments.out is not None else "sweep"
-    with _bar("scene") as follow:
-        done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)
+    patience = {} if arguments.hang_after is None else {"hang_after": arguments.hang_after}
+
+    def announce(expected: Any) -> None:
+        print(tables.sweep_estimate(expected), file=sys.stderr)
+
+    with engine_of(arguments.executor) as executor, _bar("scene") as follow:
+        done = sweeping.run_grid(
+            grid,
+            by=arguments.by,
+            jobs=arguments.jobs,
+            executor=executor,
+            out=out,
+            parquet=arguments.parquet,
+            follow=follow,
+            announce=announce,
+            **patience,
+        )
     if world().rank == 0:
         print(json.dumps(done.summary, indent=1) if arguments.json else tables.sweep(done.summary))
         print(f"table, summary and pictures in {out}", file=sys.stderr)
@@ -259,7 +275,34 @@ def sweep(arguments: Namespace) -> int:
             first = next((each["first"] for each in reasons), "the grid holds no scene")
             refused = "failed" not in done.summary["status"]
             raise (UsageError if refused else RunError)(f"no scene of the sweep has a result; the first: {first}")
+        if left_behind():
+            # Ranks that wait for one which hangs would never end.
+            sys.stdout.flush()
+            stop_others(0)
     return 0
+
+
+def sensitivity(arguments: Namespace) -> int:
+    """Say which input's range decides the answer."""
+    from beadband.reporting import design_report
+    from beadband.runs import folder
+    from beadband.studies.design import ranges
+    from beadband.studies.design import sensitivity as study
+
+    found = study.sensitivity(
+        scene_values(arguments),
+        vary=ranges.vary_of(arguments.vary),
+        spanned=arguments.spans.split(",") if arguments.spans else (),
+        quantity=arguments.quantity,
+        points=study.POINTS if arguments.points is None else arguments.points,
+        seed=arguments.seed,
+    )
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("sensitivity"))
+    found.write(out)
+    design_report.draw_sensitivity(found, out)
+    print(json.dumps(found.as_dict(), indent=1) if arguments.json else design_report.sensitivity(found))
+    print(f"table and picture in {out}", file=sys.stderr)
+    return _noted(found.warnings)
 
 
 @contextmanager
@@ -333,6 +376,8 @@ def pareto(arguments: Namespace) -> int:
 
 def _name(scene: Scene) -> str:
     name = "".join(sign if sign.isalnum() or sign in "._" else "-" for sign in scene.band.name)
+    if scene.is_strip:
+        return f"strip-{name}-{scene.strain:g}-{scene.law}"
     return f"{scene.until}-{name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
 
 

@@ -88,6 +88,10 @@ SENTENCES: dict[str, str] = {
     "rear alone needs {for_speed}",
     "tolerance-auto": "tolerance {value:.2g} %: a fifth of the error of V from the inputs, {limit:.2g} %; the "
     "usual 0.5 % would take {saved:.2g} times the beads for V",
+    "beads-for-strip": "{beads} bonds over {rear_mm:.3g} mm of strip: the recoil speed needs {value:.3g} for "
+    "{limit:.2g} %",
+    "strip": "the whole strip, straight: after the arrival of the front at the held end the strip would be compressed "
+    "and buckle, so the run ends there",
     "loss": "loss time {value:.3g} s: {limit} of the front's time from bead to bead, enough to give it a smooth "
     "profile of a few beads, and vanishing with the mesh",
     "loss-without-shock": "loss time {value:.3g} s: {limit:.2g} of the front's time from bead to bead; this law "
@@ -111,7 +115,7 @@ SENTENCES: dict[str, str] = {
     "whole-ring": "the whole ring, because the trajectory is written; the beads on the finger stay where they are and "
     "no contact is computed, since the disturbance arrives there with the front (V alone needs one leg up to "
     "{value:.2f})",
-    "frames": "{frames} frames of the ring, and {rear} of its rear, each an average over {value} steps, because "
+    "frames": "{frames} frames of the whole band, and {rear} of its rear, each an average over {value} steps, because "
     "bead-scale modes would alias",
     "samples": "{rear} frames of the rear, each an average over {value} steps, because bead-scale modes would alias",
     "launch-step": "step {step_s:.3g} s: {value:.2f} of the largest stable one for bonds as short as {limit:.2f} of "
@@ -174,11 +178,16 @@ SENTENCES: dict[str, str] = {
     "no-arrival": "the rear did not reach the finger within {value:.4g} s: there is no pause to report",
     "hit-while-loaded": "the rear reached the finger before the finger had been free of load for {value:.3g} s: there "
     "is no pause, the hand is hit",
+    "hand-hit": "the rear hits the hand at {value:.2f} m/s, after {time_s:.4g} s and {way_mm:.3g} mm of its way",
+    "hand-not-hit": "the rear did not hit the hand within {limit:g} times its arrival at a fixed finger",
     "finger-not-cleared": "the finger was never free of load and was not taken away: the flight is left out",
     "touched-again": "the band touched the free finger again, {count} time(s) from {start_s:.4g} s on, and {way} "
     "{value:2p} of its momentum",
     "crosses-itself": "the band crosses itself from {value:.4g} s on: the model has no contact between its parts",
     "buckled-aside": "the compressed band buckled to one side: its rear left the axis by up to {value:.3g} m",
+    # Studies of many scenes
+    "indices-of-errors": "single values have errors of up to {value:.2g} of their standard deviation over the ranges: "
+    "the indices are in part those of these errors; lower --tolerance or widen the ranges",
     # Fits of laws to a tensile test
     "fit-undetermined": "the test does not determine {name}: its standard error is {value:.2g} of it",
     "fit-peak": "the tension of this fit peaks at a stretch of {value:.4g}, within the test, which goes to "
@@ -204,7 +213,9 @@ SENTENCES: dict[str, str] = {
     "{limit:.2g}; raise --beads or leave it out",
     "too-deep": "beads sink into the finger by {value:2p} of the thickness, allowed {limit:2p}: lower --timestep for "
     "a stiffer finger",
-    "momentum-unbalanced": "momentum and impulse of the finger differ by {value:.2g} of the momentum, allowed "
+    "momentum-unbalanced": "the momentum and the impulse of what holds the band differ by {value:.2g} of the "
+    "momentum, allowed {limit:.2g}",
+    "hand-unbalanced": "momentum and impulses of the hand differ by {value:.2g} of the band's momentum, allowed "
     "{limit:.2g}",
     # Likely causes of a divergence
     "step-beyond-limit": "a time step beyond the limit of stability (it is {value:.3g} of the predicted one)",

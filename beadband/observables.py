@@ -23,8 +23,15 @@ from typing import Any
 
 SCHEMA_VERSION = 2
 """Of results.json; 1 is the one without a ``schema_version``."""
-LEVELS = ("rear", "release", "launch")
-"""What was run: any release (also one leg), one of the whole ring, a launch; each has the results of those before."""
+LEVELS = {
+    "rear": ("rear",),
+    "release": ("rear", "release"),
+    "launch": ("rear", "release", "launch"),
+    "strip": ("rear", "release", "strip"),
+}
+"""What was run: any release (also one leg), one of the whole ring, a launch, a strip; and the results that each has."""
+_SECTIONS = ("launch", "strip")
+"""Levels whose results stand under a key of their own, which other runs lack."""
 WAVES = {"bar": "sqrt(E/rho)", "rest": "sqrt(E0/rho)", "front_horizontal": "of the front"}
 """Wave speeds C to which the rebound speed is compared."""
 _SCALARS = {"number": "number", "integer": "integer", "text": "string", "flag": "boolean", "object": "object"}
@@ -151,9 +158,25 @@ def _throw(name: str, sentence: str, unit: str, label: str, **more: Any) -> Obse
     return Observable(key, sentence, unit, source, "number", "launch", error=True, null=True, label=label, **more)
 
 
+def _hand(name: str, sentence: str, unit: str, label: str, **more: Any) -> Observable:
+    """One of the figures of a hand."""
+    key, source = f"launch.hand.{name}", f"hand_figures.{name}"
+    return Observable(key, sentence, unit, source, "number", "launch", error=True, null=True, label=label, **more)
+
+
+def _figure(name: str, sentence: str, unit: str = "", **more: Any) -> Observable:
+    """What a designer asks: a closed form of the held band, also in the table of a sweep."""
+    return Observable(f"design.{name}", sentence, unit, f"design.{name}", column=name, **more)
+
+
 def _launch(key: str, sentence: str, unit: str, source: Source, kind: str = "number", **more: Any) -> Observable:
     """A value of a launch, or its course over time."""
     return Observable(f"launch.{key}", sentence, unit, source, kind, "launch", **more)
+
+
+def _strip(key: str, sentence: str, unit: str, source: Source = "", **more: Any) -> Observable:
+    """A value of a strip, or its course over time."""
+    return Observable(f"strip.{key}", sentence, unit, source or key, level="strip", **more)
 
 
 _V = "rebound speed V of the rear tip, with its whole error"
@@ -162,13 +185,17 @@ _TABLE: list[Observable] = [
     Observable("schema_version", "version of this file's form", source=lambda _: SCHEMA_VERSION, kind="integer"),
     _object("scene", "the scene, under the names of scene.toml; label is what the band is called",
             lambda run: {**run.scene.as_dict(), "label": run.scene.label}),
-    Observable("leg_length_m", "reference length l0 of a leg", "m", "scene.wedge.reference_leg_m"),
-    Observable("finger_radius_m", "radius of the finger in the scene", "m", "scene.wedge.finger_radius_m"),
-    Observable("front_arrival_s", "arrival of the string limit's front at the finger", "s", "plan.front_arrival_s"),
+    Observable("leg_length_m", "reference length l0 of a leg, or of a strip", "m", "scene.wedge.reference_leg_m"),
+    Observable("finger_radius_m", "radius of the finger in the scene; null for a strip", "m",
+               lambda run: run.scene.wedge.finger_radius_m or None, null=True),
+    Observable("front_arrival_s", "arrival of the string limit's front at the finger, or at the held end of a strip",
+               "s", "plan.front_arrival_s"),
     Observable("bending_stiffness_n_m2", "bending stiffness EI", "N m2", "scene.bending_stiffness_n_m2"),
     Observable("mass_per_length_kg_m", "mass per reference length", "kg/m", "scene.band.mass_per_length_kg_m"),
-    _ring("held.finger_radius_m", "radius of the finger under the held beads", "m", "held_radius_m"),
-    _ring("held.finger_centre_m", "x of the finger's centre", "m"),
+    _ring("held.finger_radius_m", "radius of the finger under the held beads; null for a strip", "m", "held_radius_m",
+          null=True),
+    _ring("held.finger_centre_m", "x of the finger's centre; null for a strip", "m",
+          lambda run: getattr(run.held, "finger_centre_m", None), null=True),
     _ring("held.tension_n", "tension of a held leg", "N"),
     _ring("held.net_force", "largest net force on a free bead of the held ring, over the tension"),
     Observable("rebound_speed_m_s", _V, "m/s", "speed", error=True, column="rebound_speed_m_s",
@@ -210,6 +237,18 @@ _TABLE: list[Observable] = [
     Observable("series.tip_x_m", "position of the tip along the axis", "m", "rear.tip_x_m", "series"),
     Observable("series.tip_speed_m_s", "speed of the tip", "m/s", "rear.tip_speed_m_s", "series"),
     Observable("series.tip_curvature_1_m", "curvature at the tip", "1/m", "rear.tip_curvature_1_m", "series"),
+    _figure("mass_kg", "mass of the band", "kg"),
+    _figure("stored_energy_j", "energy of the held band in uniform stretch, bending left out", "J"),
+    _figure("energy_density_j_kg", "stored energy over the mass", "J/kg"),
+    _figure("tension_n", "tension of a leg of the held band, uniform stretch", "N"),
+    _figure("pull_n", "force that holds the rear, 2 T cos(half-angle)", "N"),
+    _figure("held_length_m", "length of the held band, from the rear to the far side of the finger", "m"),
+    _figure("throw_momentum_n_s", "momentum of the thrown band in the string limit; null where that has no closed form",
+            "N s", null=True),
+    _figure("throw_speed_m_s", "speed of its centre of mass in that limit", "m/s", null=True),
+    _figure("throw_efficiency", "energy of that translation over the stored energy", null=True),
+    _figure("peak_strain", "strain from which on the band can't be held, as its tension peaks or its law ends; or null",
+            null=True),
     _ring("energy.stored_j", "energy of the held band", "J", label="energy"),
     _ring("energy.hysteresis_j", "energy lost in the rubber between loading and unloading; not part of stored_j", "J",
           "scene.hysteresis_j"),
@@ -219,7 +258,8 @@ _TABLE: list[Observable] = [
     _object("estimate", "the coarse run from which the error is judged", _coarse("estimate"), null=True),
     _object("estimate_failure", "code and reason where there is no coarse run", _coarse("estimate", True), null=True),
     _object("checks", "physics checks: value and bound of each; failed: sentences", _checks),
-    Observable("plan.model", "what was computed: the ring, or one leg of it", kind="text", column="model"),
+    Observable("plan.model", "what was computed: the ring, or one leg of it; in sweeps also formula, without a run",
+               kind="text", column="model"),
     Observable("plan.beads", "beads of the whole ring", kind="integer", column="beads", label="beads, steps"),
     Observable("plan.steps", "time steps", kind="integer", column="steps"),
     Observable("plan.bead_steps", "computed beads times steps", kind="integer", column="bead_steps"),
@@ -236,6 +276,15 @@ _TABLE: list[Observable] = [
     _throw("pause_s", "time between the two", "s", "pause between them", **_TIME),
     _throw("escape_speed_m_s", "radius of the finger over the pause", "m/s", "escape speed R/pause"),
     _throw("momentum_n_s", "momentum of the band at the end", "N s", "momentum at the end"),
+    _launch("hand", "what a finger that moves felt; null where it stays", "", "hand_figures", "object", null=True),
+    _launch("hand.hit", "whether the rear hits it before three times the arrival at a fixed finger", "",
+            "hand_figures.hit", "flag", label="hand hit"),
+    _hand("hit_speed_m_s", "speed of the rear against it at the hit", "m/s", "speed of the hit", absent="not hit"),
+    _hand("peak_force_n", "largest force on it up to the hit, Hann mean of 0.03 t_f to either side", "N",
+          "peak force on the hand"),
+    _hand("impulse_n_s", "impulse of the band on it from the release to the hit", "N s", "impulse on the hand"),
+    _hand("displacement_m", "its way along the throw up to the hit", "m", "way of the hand", scale=1e3, shown="mm"),
+    _hand("velocity_m_s", "its velocity at the hit", "m/s", "velocity of the hand"),
     _launch("finger_impulse_n_s", "impulse of the finger", "N s", "found.impulse_n_s", label="impulse"),
     _launch("finger_force_n", "force on the held finger", "N", "held_force_n", label="held force"),
     _launch("finger", "the finger, and how deep beads went into it", "", "finger", "object"),
@@ -249,15 +298,32 @@ _TABLE: list[Observable] = [
     _launch("series.t_s", "times", "s", "energy.times_s", "series"),
     _launch("series.finger_force_n", "force of the finger, mean over each interval", "N", "force_n", "series"),
     _launch("series.clearance_m", "from the rear tip to the finger's surface", "m", "clearance_m", "series"),
+    _launch("series.hand_x_m", "place of the hand along the throw", "m", "hand.path.x_m", "series", optional=True),
     _launch("series.centre_x_m", "position of the centre of mass", "m", "watch.centre_x_m", "series"),
     _launch("series.centre_speed_m_s", "speed of the centre of mass", "m/s", "centre_speed_m_s", "series"),
+    _strip("front_speed_m_s", "speed of the front in reference length: of the stretch halfway through the foremost "
+           "part of the wave", "m/s", "front_speed", error=True, null=True, label="front speed"),
+    _strip("arrival_s", "when the path of that front reaches the held end", "s", "arrival", error=True, null=True,
+           label="front at the held end", **_TIME),
+    _strip("reason", "why there is no front", "", "strip.no_front", kind="text", optional=True),
+    _strip("exact.wave", "what the unloading wave is made of", "", "plan.string.wave.kind", kind="text", label="wave"),
+    _strip("exact.recoil_speed_m_s", "recoil speed of the exact solution", "m/s", "plan.string.rear_speed_m_s"),
+    _strip("exact.front_speed_m_s", "speed of that front in it", "m/s", "exact_front_speed_m_s"),
+    _strip("exact.arrival_s", "arrival of that front in it", "s", "exact_arrival_s"),
+    _strip("momentum_n_s", "momentum of the strip at the end", "N s", label="momentum at the end"),
+    _strip("impulse_n_s", "impulse of the held end until then", "N s"),
+    _strip("series.t_s", "times", "s", "strip.times_s", kind="series"),
+    _strip("series.pull_n", "pull of the held end, mean over each interval", "N", "strip.pull_n", kind="series"),
+    _strip("series.momentum_n_s", "momentum of the strip", "N s", "strip.momentum_n_s", kind="series"),
 ]  # fmt: skip
 
 
 def register(one: Observable) -> Observable:
     """Add a result to the table; ValueError for a key or column that it holds already, or for an unknown kind."""
     if one.kind not in _TYPES or one.level not in LEVELS:
-        raise ValueError(f"{one.key!r}: kind {one.kind!r} and level {one.level!r}; known: {sorted(_TYPES)}, {LEVELS}")
+        raise ValueError(
+            f"{one.key!r}: kind {one.kind!r} and level {one.level!r}; known: {sorted(_TYPES)}, {(*LEVELS,)}"
+        )
     if any(one.key == other.key or (one.column and one.column == other.column) for other in _TABLE):
         raise ValueError(f"there is a result {one.key!r} already")
     _TABLE.append(one)
@@ -285,9 +351,9 @@ def forget(key: str) -> None:
     _TABLE[:] = [one for one in _TABLE if one.key != key]
 
 
-def table(level: str = "launch") -> tuple[Observable, ...]:
-    """The observables of a result of this level."""
-    return tuple(one for one in _TABLE if LEVELS.index(one.level) <= LEVELS.index(level))
+def table(level: str | None = None) -> tuple[Observable, ...]:
+    """The observables of a result of this level, or all."""
+    return tuple(one for one in _TABLE if level is None or one.level in LEVELS[level])
 
 
 def as_dict(result: Any) -> dict[str, Any]:
@@ -312,9 +378,25 @@ def as_dict(result: Any) -> dict[str, Any]:
     return values
 
 
-def columns() -> tuple[str, ...]:
+@dataclass(frozen=True)
+class Column:
+    """A column in the table of a sweep."""
+
+    name: str
+    kind: str  # "number", "integer" or "text"
+    sentence: str
+    unit: str = ""
+
+
+def columns() -> tuple[Column, ...]:
     """Columns of what a release gave in the table of a sweep, each error behind its value."""
-    return tuple(name for one in table("rear") if one.column for name in _names(one, one.column))
+    found = []
+    for one in (one for one in table("rear") if one.column):
+        name, *errors = _names(one, one.column)
+        flag = one.kind == "flag"
+        found.append(Column(name, "text" if flag else one.kind, one.sentence + (": yes or no" * flag), one.unit))
+        found += [Column(error, "number", f"error of {name}", one.unit) for error in errors]
+    return tuple(found)
 
 
 def _names(one: Observable, name: str) -> list[str]:
@@ -350,8 +432,8 @@ Special = Mapping[str, Callable[[Mapping[str, Any]], "str | None"]]
 def rows(values: Mapping[str, Any], special: Special | None = None) -> list[tuple[str, str]]:
     """What results.json says, as names and texts with errors; a launch's own rows first."""
     found = []
-    for one in sorted((one for one in _TABLE if one.label), key=lambda one: one.level != "launch"):
-        if one.level == "launch" and "launch" not in values:
+    for one in sorted((one for one in _TABLE if one.label), key=lambda one: one.level not in _SECTIONS):
+        if one.level in _SECTIONS and one.level not in values:
             continue
         text = special[one.key](values) if special and one.key in special else text_of(values, one.key)
         if text is not None:
@@ -387,7 +469,7 @@ def json_schema() -> dict[str, Any]:
         *path, name = one.key.split(".")
         place = schema
         for step in path:
-            if one.level != "launch":
+            if one.level not in _SECTIONS:
                 _require(place, step)
             place = place.setdefault("properties", {}).setdefault(step, {"type": "object"})
         unit = f", {one.unit}" if one.unit else ""
@@ -397,7 +479,7 @@ def json_schema() -> dict[str, Any]:
         given[name] = {**kind, **null, "description": one.sentence + unit}
         if one.error:
             given[error_key(name)] = {"type": "number", "description": f"error of {name}{unit}"}
-        if not one.optional and (one.level != "launch" or path[:1] == ["launch"]):
+        if not one.optional and (one.level not in _SECTIONS or path[:1] == [one.level]):
             _require(place, name)
     return schema
 
@@ -415,9 +497,20 @@ Made by `make docs` from the table in `beadband/observables.py`. The same table 
 An observable of your own is one function: see [extending](extending.md).
 
 Keys of `results.json`; dots separate its levels. An error stands beside its value, under the same name
-with `error` before the unit. `launch` and `energy.contact_j` are present only with `--until launch`.
+with `error` before the unit. `launch` and `energy.contact_j` are present only with `--until launch`, `strip`
+only with `--shape strip`, whose rebound speed is the recoil speed of its released end.
 
 | key | unit | what it is | column of a sweep |
+|---|---|---|---|"""
+
+
+_COLUMNS_HEAD = """
+## Columns of a sweep
+
+Before them stand `key`, the scene as JSON, and a column for each option of the grid; behind them `status`,
+`reason` and `reason_code` (text). `manifest.json` in the folder of a sweep describes all of them.
+
+| column | kind | unit | what it is |
 |---|---|---|---|"""
 
 
@@ -432,4 +525,6 @@ def as_markdown() -> str:
         remark = " (may be null)" if one.null else ""
         remark = remark or (" (left out where there is none)" if one.optional else "")
         lines.append(f"| {name} | {one.unit} | {one.sentence}{remark} | {column} |")
+    lines.append(_COLUMNS_HEAD)
+    lines += [f"| `{one.name}` | {one.kind} | {one.unit} | {one.sentence} |" for one in columns()]
     return "\n".join(lines) + "\n"

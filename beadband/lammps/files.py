@@ -21,6 +21,8 @@ REAR = "rear.lammpstrj"
 PATH = "rear.dat"
 ENERGY = "energy.dat"
 FINGER = "finger.dat"
+HAND = "hand.dat"
+HELD = "held.dat"
 LOG = "log.lammps"
 
 

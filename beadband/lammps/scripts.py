@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from beadband.lammps.bond_table import TABLE_POINTS, bond_table, table_points
-from beadband.lammps.datafile import ring_data
+from beadband.lammps.datafile import ring_data, strip_data
 from beadband.lammps.files import DATA, LAUNCH_SCRIPT, SCRIPT, TABLE, write_text
 from beadband.model.angle_forms import FOURIER
 from beadband.model.calibration import Strand
 from beadband.planning.plan import Plan
 from beadband.statics.leg import TIP_WEIGHT, Leg
 from beadband.statics.ring import Ring
+from beadband.statics.strip import Strip
 
 if TYPE_CHECKING:
     from beadband.planning.launch_plan import LaunchPlan
@@ -36,15 +37,21 @@ _IDLE_FORCE = 1e-6
 LOSS_SAMPLES = 8
 """Times in a frame at which the power of the dashpots is taken."""
 
+_HAND = tuple(
+    f"hand_{name}" for name in ("moves", "preload", "stiffness", "damping", "inverse", "start", "kick", "first")
+)
+"""Variables of the hand."""
+
 Variables = dict[str, int | float | str]
 _PLAIN = re.compile(r"[\w.+\-*/^(),;= ]*")
 """What a variable's text may hold: nothing that LAMMPS' parser would read as more than text."""
 
 
-def write_ring(folder: Path, plan: Plan, ring: Ring, pictures: bool = True) -> None:
+def write_ring(folder: Path, plan: Plan, ring: Ring | Strip, pictures: bool = True) -> None:
     """Write what LAMMPS needs: data file, bond table and script. Without ``pictures`` only the rear is written."""
     strand = plan.scene.strand(plan.beads)
-    write_text(folder / DATA, ring_data(ring, strand))
+    data = strip_data(ring, strand) if isinstance(ring, Strip) else ring_data(ring, strand)
+    write_text(folder / DATA, data)
     write_text(folder / TABLE, bond_table(strand, plan.scene.strain, table_points(strand.law, plan.scene.strain)))
     write_text(folder / SCRIPT, with_variables(SCRIPT, ring_variables(plan, ring, pictures)))
 
@@ -54,10 +61,11 @@ def write_launch(folder: Path, plan: LaunchPlan, ring: Ring, support: Support, p
     from beadband.planning.launch_plan import CAP, SHORTEST_STRETCH
 
     # The box reaches as far ahead as the band flies.
-    ahead = 1.5 * plan.string.centre_of_mass_speed_m_s * (plan.cap_s / CAP + plan.scene.flight_s)
-    strain = plan.scene.strain
-    points = table_points(plan.strand.law, strain, shortest=SHORTEST_STRETCH)
-    table = bond_table(plan.strand, strain, points, SHORTEST_STRETCH)
+    # A hand that is not hit flies as long as the run may last.
+    longest = plan.cap_s / (1.0 if plan.scene.hand else CAP)
+    ahead = 1.5 * plan.string.centre_of_mass_speed_m_s * (longest + plan.scene.flight_s)
+    points = table_points(plan.strand.law, plan.reach, shortest=SHORTEST_STRETCH)
+    table = bond_table(plan.strand, plan.reach, points, SHORTEST_STRETCH)
     write_text(folder / DATA, ring_data(ring, plan.strand, ahead))
     write_text(folder / TABLE, table)
     write_text(folder / LAUNCH_SCRIPT, with_variables(LAUNCH_SCRIPT, launch_variables(plan, ring, support, pictures)))
@@ -119,7 +127,7 @@ def frame_variables(frame_steps: int, pictures: bool) -> Variables:
     }
 
 
-def ring_variables(plan: Plan, ring: Ring, pictures: bool) -> Variables:
+def ring_variables(plan: Plan, ring: Ring | Strip, pictures: bool) -> Variables:
     """What release.in needs to know."""
     strand = plan.scene.strand(plan.beads)
     return {
@@ -135,6 +143,8 @@ def ring_variables(plan: Plan, ring: Ring, pictures: bool) -> Variables:
         "largest_timestep": plan.largest_timestep_s,
         "most_energy": MOST_ENERGY * (ring.stretching_j + ring.bending_j),
         "guard_steps": GUARD_STEPS,
+        "strip": int(isinstance(ring, Strip)),
+        "damped": "all" if isinstance(ring, Strip) else "released",
     }
 
 
@@ -149,7 +159,7 @@ def launch_variables(plan: LaunchPlan, ring: Ring, support: Support, pictures: b
     return {
         "beads": plan.beads,
         **chain_variables(plan.strand, dashpot_cutoff_m(ring), plan.release.loss_time_s, plan.timestep_s),
-        "table_points": table_points(plan.strand.law, scene.strain, shortest=SHORTEST_STRETCH),
+        "table_points": table_points(plan.strand.law, plan.reach, shortest=SHORTEST_STRETCH),
         "bead_radius": 0.5 * scene.band.thickness_m,
         "steps": plan.steps,
         "rear_steps": plan.rear_steps,
@@ -164,10 +174,34 @@ def launch_variables(plan: LaunchPlan, ring: Ring, support: Support, pictures: b
         "nose": plan.nose_beads,
         "gap_margin": plan.gap_margin_m,
         "idle_force": _IDLE_FORCE * held_n,
+        **hand_variables(plan, support.pull_n(ring.positions_m)),
         **frame_variables(plan.frame_steps, pictures),
         "lost_every": lost_every,
         "lost_average": plan.rear_steps // lost_every,
     }
+
+
+def hand_variables(plan: LaunchPlan, pull_n: float) -> Variables:
+    """What launch.in needs to know of the hand, which the held band pulls with ``pull_n``; zeros where there is none.
+
+    The first half step is taken here: the velocity after it, and the place at the first step.
+    """
+    hand, step = plan.scene.hand, plan.timestep_s
+    if hand is None:
+        return dict.fromkeys(_HAND, 0)
+    preload = pull_n if hand.preload_n is None else hand.preload_n
+    kick = hand.velocity_m_s + 0.5 * step * (preload - pull_n) * hand.inverse_mass_1_kg
+    half_damped = 1.0 + 0.5 * step * hand.damping_n_s_m * hand.inverse_mass_1_kg
+    return dict(
+        zip(
+            _HAND,
+            (
+                *(1, preload, hand.stiffness_n_m, hand.damping_n_s_m, hand.inverse_mass_1_kg / half_damped),
+                *(hand.velocity_m_s, kick, step * kick),
+            ),
+            strict=True,
+        )
+    )
 
 
 def leg_variables(plan: Plan, leg: Leg) -> Variables:
@@ -193,12 +227,14 @@ def sample_every(steps: int, samples: int) -> int:
     return every
 
 
-def dashpot_cutoff_m(ring: Ring) -> float:
+def dashpot_cutoff_m(ring: Ring | Strip) -> float:
     """Cutoff of the dashpots: as wide as other beads allow, for their strength is 1 - (r/cutoff)^8.
 
     Bonded neighbours count; the second and third are left out by ``special_bonds``. The fourth along the strand and
     the beads across the finger are the closest others.
     """
+    if isinstance(ring, Strip):
+        return _fourth_m(ring.positions_m)
     return min(_fourth_m(ring.positions_m[: ring.beads // 2 + 1]), 0.95 * ring.finger_radius_m)
 
 

@@ -13,15 +13,22 @@ from numpy.typing import NDArray
 
 from beadband.errors import UsageError, explain
 from beadband.model import correction
+from beadband.model.laws import Law
 from beadband.model.scales import FORGOTTEN_AFTER, WINDOW_BEFORE
 from beadband.model.scene import Scene
-from beadband.model.string_arrays import string_limits
+from beadband.model.string_arrays import arrays_of, softens, string_limits, strip_speeds
 from beadband.model.validity import check_validity
 
 Array = NDArray[np.float64]
 
 VARIED = ("strain", "half_angle_deg", "circumference_m", "thickness_m", "width_m", "density_kg_m3")
 """Inputs that may be arrays: with one law they make scenes that share all else."""
+
+
+STATED = "modulus_pa"
+"""The stated E, which may be an array where EI is made of it."""
+_EXACT = 1e-9
+"""Relative error of an exact solution: of the search for its envelope, and of the integral over a fan."""
 
 
 class Formula(NamedTuple):
@@ -37,11 +44,15 @@ def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None
 
     Copies of a scene with a peg are asked for one by one.
 
-    "speed" is V in m/s, "curvature" the mean tip curvature in its window over that of Eq. 7. UsageError where one of
-    the scenes has no answer.
+    "speed" is V in m/s, "curvature" the mean tip curvature in its window over that of Eq. 7. Constants of the law and
+    the stated modulus may vary too, as far as :func:`varies_together` says. A strip has no bending: its formula is
+    exact. UsageError where one of the scenes has no answer.
     """
-    given = _arrays(scene, varied or {})
-    numbers, speed = _numbers(scene, given)
+    law, given = scenes_of(scene, varied or {})
+    if scene.is_strip:
+        exact = strip_speeds(law, given["density_kg_m3"], given["strain"])
+        return Formula(exact, (_EXACT if quantity == "speed" else math.inf) * exact)
+    numbers, speed = _numbers(scene, law, given)
     shape = speed.shape
     found = (correction.speed_correction if quantity == "speed" else correction.curvature_correction)(numbers)
     value = (1.0 + found.delta.reshape(shape)) * (speed if quantity == "speed" else 1.0)
@@ -54,19 +65,54 @@ def shares_law(scene: Scene) -> bool:
     return type(scene.material).__name__ not in ("Softened", "Unloading")
 
 
-def _arrays(scene: Scene, varied: Mapping[str, Any]) -> dict[str, Array]:
-    """All of :data:`VARIED` as arrays of one shape, checked."""
+def varies_together(scene: Scene, varied: Mapping[str, Array]) -> bool:
+    """Whether copies of a scene with these constants of its law are one evaluation of :func:`formula`.
+
+    They are where EI has the stated modulus, and where every law softens up to its held strain: then all of them unload
+    through one front, whose equation is the same for arrays of constants.
+    """
+    constants = [key for key in varied if key not in VARIED]
+    own = {STATED, *(one.key for one in scene.material.constants() if one.kind == "number")}
+    if not constants:
+        return True
+    if scene.is_strip or scene.bending_modulus != "table" or not shares_law(scene) or not own.issuperset(constants):
+        return False
+    try:
+        law, given = _law_of(scene, _broadcast(scene, varied))
+        return not arrays_of(law) or softens(law, given["strain"])
+    except (TypeError, ValueError):
+        return False  # a law of somebody's that takes no arrays for its constants
+
+
+def _broadcast(scene: Scene, varied: Mapping[str, Any]) -> dict[str, Array]:
+    """All of :data:`VARIED` that the scene has, and what else varies, as arrays of one shape."""
     own = {"strain": scene.strain, "half_angle_deg": scene.half_angle_deg, **scene.band.properties()}
     names = [key for key in VARIED if own.get(key) is not None or key in varied]
+    names += [key for key in varied if key not in VARIED]
     arrays = np.broadcast_arrays(*(np.asarray(varied.get(key, own.get(key)), dtype=np.float64) for key in names))
-    given = dict(zip(names, arrays, strict=True))
-    strain, phi = given["strain"], np.radians(given["half_angle_deg"])
-    held, peak = 1.0 + strain, _longest_held(scene)
-    leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
-    thickness = given["thickness_m"]
-    refused = (held * np.sin(phi) >= 1.0) | (held >= peak)
-    if scene.bending_scale > 0.0:
-        refused |= (leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg / held <= thickness)
+    return dict(zip(names, arrays, strict=True))
+
+
+def _law_of(scene: Scene, given: Mapping[str, Array]) -> tuple[Law, Mapping[str, Array]]:
+    """The law, with arrays for those of its constants that vary, and what was given."""
+    constants = {key: given[key] for key in scene.material.values() if key in given}
+    return (replace(scene.material, **constants) if constants else scene.material), given  # type: ignore[type-var]
+
+
+def answered(scene: Scene, varied: Mapping[str, Any]) -> NDArray[np.bool_]:
+    """Which copies of a scene, varied as for :func:`formula`, have an answer at all."""
+    found: NDArray[np.bool_] = ~_refused(scene, *_given(scene, varied))
+    return found
+
+
+def scenes_of(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, Array]]:
+    """The law, and what :data:`VARIED` and the other keys are for each scene; beside them the legs and angles.
+
+    Arrays of one shape, with ``leg_m``, the reference leg, and ``half_angle_rad`` among them. UsageError where one of
+    the scenes has no answer.
+    """
+    law, given = _given(scene, varied)
+    refused = _refused(scene, law, given)
     if np.any(refused):
         from beadband.model.scene import scene_of
 
@@ -74,28 +120,48 @@ def _arrays(scene: Scene, varied: Mapping[str, Any]) -> dict[str, Array]:
         changed = {key: float(given[key].ravel()[at]) for key in varied}
         check_validity(scene_of({**scene.as_dict(), **changed}))
         raise UsageError(explain("a scene has no answer", changed, "a wedge that can be held", "leave it out"))
-    return {**given, "leg_m": leg / held, "half_angle_rad": phi}
+    return law, given
+
+
+def _given(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, Array]]:
+    law, given = _law_of(scene, _broadcast(scene, varied))
+    held, phi = 1.0 + given["strain"], np.radians(given["half_angle_deg"])
+    leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
+    return law, {**given, "leg_m": leg / held, "half_angle_rad": phi}
+
+
+def _refused(scene: Scene, law: Law, given: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Which scenes have no answer: those of :func:`scene_of` and :func:`check_validity`."""
+    held, phi, leg, thickness = 1.0 + given["strain"], given["half_angle_rad"], given["leg_m"], given["thickness_m"]
+    # A law that softens, as those of arrays do, carries more and more up to where its tangent is gone.
+    peaked = law.tangent(held) <= 0.0 if arrays_of(law) else held >= longest_held(scene.material)
+    refused: NDArray[np.bool_] = (held * np.sin(phi) >= 1.0) | peaked
+    if scene.bending_scale > 0.0:
+        refused |= (held * leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg <= thickness)
+    return refused
 
 
 @lru_cache(maxsize=256)
-def _limits_of(law: Any) -> float:
+def longest_held(law: Law) -> float:
+    """Stretch from which on a law can't be held: its tension peaks or it ends; infinite without."""
     peak, longest = law.peak_stretch(), law.longest_stretch()
     return min(math.inf if peak is None else peak, math.inf if longest is None else longest)
 
 
-def _longest_held(scene: Scene) -> float:
-    """Stretch from which on the law of a scene can't be held."""
-    return float(_limits_of(scene.material))
+def section_of(scene: Scene, given: Mapping[str, Array]) -> Any:
+    """The section of the scenes, its sizes arrays."""
+    sizes: dict[str, Any] = {"thickness_m": given["thickness_m"], "width_m": given.get("width_m")}
+    return replace(scene.band.section, **sizes)
 
 
-def _numbers(scene: Scene, given: Mapping[str, Array]) -> tuple[Array, Array]:
+def _numbers(scene: Scene, law: Law, given: Mapping[str, Array]) -> tuple[Array, Array]:
     """The features of :mod:`beadband.model.correction`, shape (scenes, features), and V of the string limits, m/s."""
-    law, band = scene.material, scene.band
+    band, section = scene.band, section_of(scene, given)
     strain, phi, density, leg = (given[key] for key in ("strain", "half_angle_rad", "density_kg_m3", "leg_m"))
     string = string_limits(law, density, strain, phi)
-    sizes: dict[str, Any] = {"thickness_m": given["thickness_m"], "width_m": given.get("width_m")}
-    section: Any = replace(band.section, **sizes)
+    modulus = given.get(STATED, band.modulus_pa)
     stiffness = scene.bending_stiffness_n_m2 / band.second_moment_m4 * section.second_moment_m4
+    stiffness = stiffness * (modulus / band.modulus_pa)
     diffusivity = np.sqrt(stiffness / (density * section.area_m2))
     held, behind = 1.0 + strain, 1.0 + string.residual_strain
     stress = np.asarray(law.stress(held), dtype=np.float64)
@@ -105,7 +171,7 @@ def _numbers(scene: Scene, given: Mapping[str, Array]) -> tuple[Array, Array]:
     bent = diffusivity > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         forgotten = np.maximum(
-            given["thickness_m"] / np.sqrt(band.modulus_pa / density), FORGOTTEN_AFTER * layer2 / diffusivity
+            given["thickness_m"] / np.sqrt(modulus / density), FORGOTTEN_AFTER * layer2 / diffusivity
         )
     numbers = correction.features_of(
         strain=strain,

@@ -16,6 +16,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +25,8 @@ from numpy.typing import NDArray
 from beadband.model.scene import Scene
 
 Array = NDArray[np.float64]
+HIT_SHARE = 0.25
+"""Time before a hit whose gaps give its speed, over the front's arrival: in shorter ones the nose of a band rings."""
 
 
 @dataclass(frozen=True)
@@ -50,17 +54,30 @@ class StringLaunch:
         return self.rear_arrival_s - self.finger_free_s
 
 
+def one_front(mean_speed_ratio: Any, half_angle_rad: Any) -> Any:
+    """Whether the premises hold: one sharp front, and a half-angle below 30 degrees; floats or arrays."""
+    return (np.abs(mean_speed_ratio - 1.0) < 1e-6) & (np.sin(half_angle_rad) < 0.5)
+
+
+def string_momentum_n_s(tension_n: Any, circumference_m: Any, leg_m: Any, front_m_s: Any, half_angle_rad: Any) -> Any:
+    """Impulse of the finger until it is free, the integral of its force; ``leg_m`` is l0. Floats or arrays."""
+    arrival, on_finger = leg_m / front_m_s, (0.5 * circumference_m - leg_m) / front_m_s
+    turned = (1.0 + np.sin(half_angle_rad)) / (0.5 * math.pi + half_angle_rad)
+    return 2.0 * tension_n * (arrival * np.cos(half_angle_rad) + on_finger * turned)
+
+
 def string_launch(scene: Scene) -> StringLaunch:
     """The string's launch of a scene."""
     band, string, wedge, phi = scene.band, scene.string, scene.wedge, scene.half_angle_rad
-    law, held, behind = scene.material, 1.0 + scene.strain, 1.0 + scene.string.residual_strain
+    law, held = scene.material, 1.0 + scene.strain
     tension = band.area_m2 * float(law.stress(held))
     on_finger = (0.5 * band.circumference_m - wedge.reference_leg_m) / string.front_speed_m_s
     arrival = wedge.reference_leg_m / string.front_speed_m_s
-    momentum = 2.0 * tension * (arrival * math.cos(phi) + on_finger * (1.0 + math.sin(phi)) / (math.pi / 2.0 + phi))
+    momentum = float(
+        string_momentum_n_s(tension, band.circumference_m, wedge.reference_leg_m, string.front_speed_m_s, phi)
+    )
     mass = band.mass_per_length_kg_m * band.circumference_m
     stored = band.area_m2 * band.circumference_m * float(law.energy(held))
-    chord = (float(law.stress(held)) - string.residual_stress_pa) / ((held - behind) * band.density_kg_m3)
     return StringLaunch(
         tension_n=tension,
         momentum_n_s=momentum,
@@ -69,7 +86,7 @@ def string_launch(scene: Scene) -> StringLaunch:
         efficiency=momentum**2 / (2.0 * mass * stored),
         finger_free_s=arrival + on_finger,
         rear_arrival_s=(wedge.leg_m / math.cos(phi) - wedge.finger_radius_m) / string.rear_speed_m_s,
-        exact=abs(chord / string.front_speed_m_s**2 - 1.0) < 1e-6 and math.sin(phi) < 0.5,
+        exact=bool(one_front(string.wave.mean_speed_ratio, phi)),
     )
 
 
@@ -82,3 +99,59 @@ def finger_force_n(scene: Scene, times_s: Array) -> Array:
     left = np.clip((half - front) / (half - wedge.reference_leg_m), 0.0, 1.0)
     force: Array = 2.0 * tension * np.sin((math.pi / 2.0 + phi) * left)
     return force
+
+
+@dataclass(frozen=True)
+class StringHit:
+    """A hand under the force of the string; None for what does not happen before three times the rear's arrival."""
+
+    hit_s: float | None
+    hit_speed_m_s: float | None
+    displacement_m: float | None
+
+
+def hand_under_string(scene: Scene, times_s: Array) -> Array:
+    """Place of the scene's hand under the string's force on a finger that stays, at rising times from 0 on (times,), m.
+
+    The finger's motion changes the string's force by 2 x (mass per length) x (wave speed) x (its speed) at most: this
+    is the limit of a hand that is slow against the waves.
+    """
+    from scipy.integrate import solve_ivp
+
+    hand = scene.hand
+    if hand is None or hand.mass_kg is None:
+        return np.asarray((hand.velocity_m_s if hand else 0.0) * times_s, dtype=np.float64)
+    mass, string = hand.mass_kg, string_launch(scene)
+    pull = float(finger_force_n(scene, np.zeros(1))[0])
+    preload = pull if hand.preload_n is None else hand.preload_n
+
+    def rate(time: float, state: Array) -> list[float]:
+        push = float(finger_force_n(scene, np.array([time]))[0])
+        force = preload - hand.stiffness_n_m * state[0] - hand.damping_n_s_m * state[1] - push
+        return [float(state[1]), force / mass]
+
+    # The force has corners where the front reaches the finger and where the fronts meet.
+    corners = [scene.scales.front_arrival_s, string.finger_free_s]
+    ends = [0.0, *(corner for corner in corners if corner < times_s[-1]), float(times_s[-1])]
+    places, state = np.zeros(len(times_s)), np.zeros(2)
+    for start, end in pairwise(ends):
+        inside = (times_s >= start) & (times_s <= end)
+        found = solve_ivp(rate, (start, end), state, "DOP853", dense_output=True, rtol=1e-9, atol=1e-13)
+        places[inside], state = found.sol(times_s[inside])[0], found.y[:, -1]
+    return places
+
+
+def hit_by_string(scene: Scene, points: int = 2001) -> StringHit:
+    """When and how fast the string's rear, at its constant speed, comes to the surface of the scene's hand."""
+    string, speed = string_launch(scene), scene.string.rear_speed_m_s
+    times = np.linspace(0.0, 3.0 * string.rear_arrival_s, points)
+    places = hand_under_string(scene, times)
+    gaps = speed * (string.rear_arrival_s - times) + places
+    past = np.flatnonzero(gaps <= 0.0)
+    if len(past) == 0:
+        return StringHit(None, None, None)
+    last = int(past[0])
+    time = float(times[last] + gaps[last] * (times[last] - times[last - 1]) / (gaps[last - 1] - gaps[last]))
+    before = (times <= time) & (times >= time - HIT_SHARE * scene.scales.front_arrival_s)
+    rate = -float(np.polyfit(times[before] - time, gaps[before], 1)[0])
+    return StringHit(time, rate, float(np.interp(time, times, places)))

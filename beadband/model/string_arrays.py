@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from beadband.model.laws import Law
 from beadband.model.laws.unloading import gauss_points
-from beadband.model.wedge import rear_speed_m_s, string_limit
+from beadband.model.wedge import rear_speed_m_s, string_limit, strip_limit
 
 Array = NDArray[np.float64]
 
@@ -27,6 +27,8 @@ _GRID = 1024
 """Cells into which the stretches of a law are cut to see its shape."""
 _FLAT = 1e-12
 """Change of the tangent from cell to cell, over the largest, below which the law counts as straight there."""
+_SOFTENING_POINTS = 128
+"""Stretches of each scene at which laws that differ from scene to scene are looked at."""
 _FAN_PANELS = 3
 _MOST_STEPS = 60
 _LAST_STEP = 1e-9
@@ -48,14 +50,18 @@ def string_limits(law: Law, density_kg_m3: Any, strain: Any, half_angle_rad: Any
     """String limits of wedges of one law; arguments but the law are floats or arrays that broadcast.
 
     Equal to :func:`beadband.model.wedge.string_limit` one by one, which also serves here for laws that change from
-    softening to stiffening more than once. The strains are those of scenes that have an answer.
+    softening to stiffening more than once. The strains are those of scenes that have an answer. Constants of the law
+    may be arrays of the shape that the others broadcast to, where :func:`softens` holds.
     """
     density, strains, angles = np.broadcast_arrays(
         *(np.asarray(one, dtype=np.float64) for one in (density_kg_m3, strain, half_angle_rad))
     )
     shape, root = strains.shape, np.sqrt(density)
     held, sine = 1.0 + strains.ravel(), np.sin(angles.ravel())
-    turn = _turn(law, float(held.max(initial=1.0)))
+    many = arrays_of(law)
+    if many:
+        law = replace(law, **{key: one.ravel() if one.size > 1 else one.item() for key, one in many.items()})  # type: ignore[type-var]
+    turn = math.inf if many else _turn(law, float(held.max(initial=1.0)))
     if turn is None:
         pairs = zip(strains.ravel().tolist(), angles.ravel().tolist(), strict=True)
         single = [string_limit(law, 1.0, *pair) for pair in pairs]
@@ -73,6 +79,38 @@ def string_limits(law: Law, density_kg_m3: Any, strain: Any, half_angle_rad: Any
         mean = particle / (front * (held - stretch)) if np.isfinite(turn) else np.ones_like(sine)
     behind, stress, speed, front, mean = (one.reshape(shape) for one in (behind, stress, speed, front, mean))
     return StringLimits(behind, stress, speed / root, front / root, mean)
+
+
+def arrays_of(law: Law) -> dict[str, Array]:
+    """Constants of a law that are arrays, a number for each scene."""
+    return {key: one for key, one in law.values().items() if isinstance(one, np.ndarray)}
+
+
+def softens(law: Law, strain: Array) -> bool:
+    """Whether the tangent of a law falls, or stays, and is above 0 from rest to each held strain.
+
+    ``strain`` has the shape of the law's constants.
+    """
+    before = np.asarray(law.tangent(1.0 + 0.0 * strain), dtype=np.float64)
+    allowed = _FLAT * np.abs(before)
+    for share in np.arange(1, _SOFTENING_POINTS + 1) / _SOFTENING_POINTS:
+        tangent = np.asarray(law.tangent(1.0 + share * strain), dtype=np.float64)
+        if not np.all(tangent - before <= allowed):
+            return False
+        before = tangent
+    return True
+
+
+def strip_speeds(law: Law, density_kg_m3: Any, strain: Any) -> Array:
+    """Recoil speeds of strips of one law, m/s: :func:`beadband.model.wedge.strip_limit` for arrays that broadcast."""
+    density, strains = np.broadcast_arrays(*(np.asarray(one, dtype=np.float64) for one in (density_kg_m3, strain)))
+    held = 1.0 + strains.ravel()
+    turn = _turn(law, float(held.max(initial=1.0))) if held.size > 1 else None
+    if turn is None:
+        speed = np.array([strip_limit(law, 1.0, one).rear_speed_m_s for one in strains.ravel().tolist()])
+    else:
+        speed = _Waves(law, held, turn).unloaded_to(np.full_like(held, law.unstressed_stretch))[0]
+    return np.asarray(speed.reshape(strains.shape) / np.sqrt(density), dtype=np.float64)
 
 
 def _turn(law: Law, longest: float) -> float | None:

@@ -1,10 +1,11 @@
 """The ladder to one number: what each level of beads would cost and state, and which one to run next.
 
-A level is a number of beads, four of them to a factor of two. What the errors of a level are like was measured on 180
-random scenes (all bands, both laws, thickness 0.5-3 mm) released with 24 to 1090 beads in the rear: one part falls with
-a clean order (first where a shock needs loss, second elsewhere), another changes from level to level as if by chance,
-and less the better the bending layer is resolved. :func:`beadband.analysis.convergence.limit_of` joins the levels:
-their mean is carried on to no spacing as far as the first part stands out of the second.
+A level is a number of beads, four of them to a factor of two. What the errors of a level are like was measured on 110
+random scenes (all bands, both laws, half of them of another thickness) released with 24 to 1300 beads in the rear
+(tests/validation/level_errors.py): one part falls smoothly, with a clean order at first (the first where a shock needs
+loss, the second elsewhere) and another above it; the rest changes from level to level as if by chance, and less the
+better the bending layer is resolved. :func:`beadband.analysis.convergence.limit_of` joins the levels: their mean is
+carried on to no spacing as far as the smooth part stands out of the rest.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-COVERS = 4.4
-"""Standard errors in a stated error: so many hold 98.5 % of the true ones, whose distribution has long tails."""
+COVERS = 4.0
+"""Standard errors in a stated error: so many hold 99 % of the true ones, whose distribution has long tails."""
 FORMULA_COVERS = 2.4
 """The same in the bar of the formula."""
 AIM = 0.95
@@ -35,13 +36,33 @@ AIM = 0.95
 MOST_BEADS = 24_000
 MOST_SECONDS = 120.0
 """Beads and predicted seconds of a level beyond which the ladder ends, unless less is asked for."""
-_NOISE_ORDER, _UNRESOLVED, _RESOLVED = 1.26, 0.34, 0.73
-_NOISE = {1.0: 2.0e-4, 2.0: 2.6e-4}
-_DRIFT = {1.0: 3.2e-4, 2.0: 2.1e-4}
-_BEADS_IN_REAR = 100.0
-"""Relative standard errors of V with 100 beads in the rear and one to the bending layer, by maximum likelihood; the
-noise falls with powers of the beads in the rear, and of those to the layer, below one and above. By the order of the
-clean part: bands that lose less ring more."""
+
+
+@dataclass(frozen=True)
+class LevelErrors:
+    """Relative standard errors of V with 100 beads in the rear, one to the bending layer, and a rear of 0.3 legs."""
+
+    smooth: float
+    """Falls with the order of the clean part."""
+    higher: float
+    """Falls with the order above it."""
+    noise: float
+    noise_order: float
+    unresolved: float
+    resolved: float
+    """Powers of the spacing over the bending layer with which the noise falls besides, above one and below."""
+    rear: float
+    """Power of the rear over the leg."""
+
+
+LEVEL_ERRORS = {
+    1.0: LevelErrors(2.2e-4, 1.5e-4, 7.9e-5, 1.29, 0.74, 1.20, 0.6),
+    2.0: LevelErrors(2.1e-4, 4.2e-5, 1.2e-4, 1.06, 0.68, 1.11, 0.5),
+}
+"""By the order of the clean part: bands that lose less ring more. By maximum likelihood."""
+_BEADS_IN_REAR, _REAR_OF_LEG = 100.0, 0.3
+_ALIKE, _RANGE = 0.5, 0.45
+"""Correlation of the noise of neighbouring levels, and the difference in ln(beads) over which it is lost."""
 _CURVATURE_NOISE, _CURVATURE_DRIFT = 0.010, 0.006
 """The same of the windowed tip curvature with one bead to the bending layer; both fall with the second order."""
 _RING_COARSENESS = 1.6
@@ -118,24 +139,28 @@ class Question:
         """Beads of a level, from 0."""
         return 2 * round(0.5 * self.least_beads * float(2.0 ** (level / _OCTAVE)))
 
-    def errors(self, beads: Array) -> tuple[Array, Array, float]:
-        """Spacings in the unit of the drift, relative noise of each level, and the drift, for :func:`limit_of`."""
+    def covariance(self, beads: Array) -> Array:
+        """Of the relative errors of levels with so many beads (levels,); shape (levels, levels)."""
         scene = self.scene
-        spacing = scene.band.circumference_m / beads
-        layer = scene.scales.bending_layer_m
+        spacing, layer = scene.band.circumference_m / beads, scene.scales.bending_layer_m
         if self.quantity == "curvature":
-            coarse = spacing / layer
-            return coarse, _CURVATURE_NOISE * coarse**2, _CURVATURE_DRIFT
-        coarse = _BEADS_IN_REAR * spacing / scene.scales.rear_length_m
+            squared = (spacing / layer) ** 2
+            return np.outer(squared, squared) * _CURVATURE_DRIFT**2 + np.diag((_CURVATURE_NOISE * squared) ** 2)
+        rear, errors = scene.scales.rear_length_m, LEVEL_ERRORS[self.order]
+        coarse = _BEADS_IN_REAR * spacing / rear
         share = spacing / layer if layer > 0.0 else np.ones_like(spacing)
-        bent = share ** np.where(share > 1.0, _UNRESOLVED, _RESOLVED)
-        worse = _RING_COARSENESS if self.model == "ring" else 1.0
-        return coarse, worse * _NOISE[self.order] * coarse**_NOISE_ORDER * bent, worse * _DRIFT[self.order]
+        noise = errors.noise * coarse**errors.noise_order
+        noise = noise * share ** np.where(share > 1.0, errors.unresolved, errors.resolved)
+        noise = noise * (rear / (_REAR_OF_LEG * scene.wedge.reference_leg_m)) ** errors.rear
+        apart = np.log(beads[:, None] / beads) / _RANGE
+        alike = _ALIKE * np.exp(-0.5 * apart**2) + (1.0 - _ALIKE) * np.eye(len(beads))
+        smooth, higher = errors.smooth * coarse**self.order, errors.higher * coarse ** (self.order + 1.0)
+        found = np.outer(smooth, smooth) + np.outer(higher, higher) + np.outer(noise, noise) * alike
+        return np.asarray((_RING_COARSENESS**2 if self.model == "ring" else 1.0) * found, dtype=np.float64)
 
     def limit(self, beads: Array, values: Array, known: tuple[float, float] | None = None) -> Limit:
         """What levels with so many beads say, finest first; ``known`` is the formula's value and standard error."""
-        spacing, noise, drift = self.errors(beads)
-        return limit_of(spacing, values, noise, drift, self.order, known)
+        return limit_of(values, self.covariance(beads), known)
 
     def stated(self, limit: Limit) -> float:
         """The error that an answer states, in the unit of its value."""

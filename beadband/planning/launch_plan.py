@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from beadband.errors import UsageError, explain
 from beadband.model.calibration import Strand
 from beadband.model.launch_string import StringLaunch, string_launch
@@ -15,6 +17,7 @@ from beadband.parameters import MOST_STEPS, PLANNED
 from beadband.planning import error_curves
 from beadband.planning.plan import STEP_SHARE, Plan, plan_of
 from beadband.planning.sampling import given, interval_s
+from beadband.statics.chain import Array
 from beadband.statics.finger import Support, finger_loads_n, settle_on
 from beadband.statics.ring import Ring, stretched_ring
 
@@ -37,6 +40,9 @@ _MOST_REAR_STEPS = 16  # the contact bounces in no less: its depth must not be m
 _IDLE_SHARE = 0.03
 _APPROACH = 1.5
 _NOSE = 0.5
+_ON_AXIS = 1e-9
+_REBOUND = 2.0  # speed of a bead that a faster finger throws ahead, over that of the finger
+_SOFTEST = 0.1  # least modulus over that at rest by which the reach of a hand's pull is estimated
 _GRAZE = 0.4  # speed of a graze over that of the rear; measured depths then stay below the bound
 
 
@@ -107,7 +113,24 @@ class LaunchPlan:
     @property
     def gap_margin_m(self) -> float:
         """Distance of the rear at which the next look might come too late."""
-        return _APPROACH * self.release.string.rear_speed_m_s * self.rear_steps * self.timestep_s
+        hand = self.scene.hand
+        closing = self.release.string.rear_speed_m_s + (abs(hand.velocity_m_s) if hand else 0.0)
+        return _APPROACH * closing * self.rear_steps * self.timestep_s
+
+    @property
+    def reach(self) -> float:
+        """Strain for which the bond table is made: a hand that moves by itself pulls the band further than it was held.
+
+        A speed v sends out a strain of v/c, doubled where it is reflected; a preload beyond the pull as much again as
+        it strains the legs at rest.
+        """
+        scene, hand, law = self.scene, self.scene.hand, self.scene.material
+        if hand is None:
+            return scene.strain
+        modulus = max(float(law.tangent(1.0 + scene.strain)), _SOFTEST * law.rest_modulus_pa)
+        beyond = max(0.0, (hand.preload_n or 0.0) - 2.0 * self.string.tension_n * math.cos(scene.half_angle_rad))
+        faster = 2.0 * abs(hand.velocity_m_s) * math.sqrt(scene.band.density_kg_m3 / modulus)
+        return scene.strain + faster + beyond / (scene.band.area_m2 * modulus)
 
     @property
     def nose_beads(self) -> int:
@@ -224,18 +247,42 @@ def _contact(
     that a graze goes deeper than the bound. On coarse chains of a thin band that takes a shorter step.
     """
     ring = stretched_ring(strand, beads, scene.strain, scene.half_angle_rad)
-    needed = float(finger_loads_n(ring, strand).max()) / (HELD_DEPTH * scene.band.thickness_m)
+    loads = finger_loads_n(ring, strand)
+    needed = float(loads.max()) / (HELD_DEPTH * scene.band.thickness_m)
     mass, held = strand.bead_mass_kg, 1.0 + scene.strain
     # A wave in a leg throws beads against the finger: one at the speed v goes in by v sqrt(mass/stiffness).
+    # Against a hand as light as the band they come at up to the speed of the rear, and it may come at them.
     graze = _GRAZE * scene.string.rear_speed_m_s
+    if scene.hand is not None:
+        share = strand.bead_mass_kg * beads * scene.hand.inverse_mass_1_kg
+        graze += (1.0 - _GRAZE) * scene.string.rear_speed_m_s * share / (1.0 + share)
+        graze += _REBOUND * abs(scene.hand.velocity_m_s)
     needed = max(needed, mass * (graze / (DEPTH_BOUND * scene.band.thickness_m)) ** 2)
     # A bead on the finger moves across the strand, which resists by its bending and by its tension.
     bending = (4.0 * strand.bending_diffusivity_m2_s / (strand.spacing_m**2 * min(1.0, held))) ** 2
     pull = 4.0 * strand.law.stress(held) / (held * strand.density_kg_m3 * strand.spacing_m**2)
     across = bending + pull
+    swinging = 0.0
+    if scene.hand is not None:
+        # Beads in contact against the hand: k (1/m + sum of cos^2/M), where one bead alone has k/m; and its spring.
+        lighter, pull = scene.hand.inverse_mass_1_kg, _pull_n(ring, loads)
+        needed *= max(1.0, abs(scene.hand.preload_n or 0.0) / pull[0])
+        swinging = scene.hand.stiffness_n_m * lighter
+        mass /= 1.0 + mass * lighter * pull[1]
     bearable = (2.0 * (STEP_SHARE if free else 0.95) / step_s) ** 2
-    stiffness = max(needed, mass * min(CONTACT_SHARE * bearable, bearable - across))
-    return stiffness, min(largest_s, 2.0 / math.sqrt(across + stiffness / mass))
+    stiffness = max(needed, mass * min(CONTACT_SHARE * bearable, bearable - across - swinging))
+    return stiffness, min(largest_s, 2.0 / math.sqrt(across + stiffness / mass + swinging))
+
+
+def _pull_n(ring: Ring, loads_n: Array) -> tuple[float, float]:
+    """Force of the held ring on its finger along the axis, N, and the sum of cos^2 of its loaded beads' directions.
+
+    ``loads_n`` (beads//2 + 1,) are those of the upper half; the bead on the axis belongs to both.
+    """
+    x, y = ring.positions_m[: len(loads_n)].T
+    cosines = (x - ring.finger_centre_m) / np.hypot(x - ring.finger_centre_m, y)
+    sides = np.where(np.abs(y) < _ON_AXIS * ring.finger_radius_m, 1.0, 2.0)
+    return float(np.sum(sides * loads_n * cosines)), float(np.sum(sides * np.where(loads_n > 0.0, cosines**2, 0.0)))
 
 
 def _sampling(scene: Scene, step_s: float, duration_s: float, cap_s: float) -> tuple[int, int, int]:

@@ -119,6 +119,8 @@ def result_rows(values: Mapping[str, Any]) -> list[tuple[str, str]]:
 def _string_text(values: Mapping[str, Any]) -> str:
     speed, string = values["rebound_speed_m_s"], values["string_speed_m_s"]
     side = "above" if speed > string else "below"
+    if "strip" in values:
+        return f"{string:.6g} m/s, exact for a strip; V is {percent(abs(speed / string - 1.0))} {side}"
     return f"{string:.4g} m/s; V is {abs(speed / string - 1.0):.2%} {side}"
 
 
@@ -137,8 +139,10 @@ def _ratio_text(wave: str) -> Callable[[Mapping[str, Any]], str]:
     return text
 
 
-def _curvature_text(values: Mapping[str, Any]) -> str:
+def _curvature_text(values: Mapping[str, Any]) -> str | None:
     curvature = values["curvature"]
+    if "strip" in values:
+        return None
     if curvature is None:
         return f"not given: {values['reason']}"
     start, end = curvature["window_s"]
@@ -180,6 +184,11 @@ def _with(key: str, more: Callable[[Mapping[str, Any]], str]) -> Callable[[Mappi
             return row
 
     return text
+
+
+def _beside_exact(name: str, scale: float) -> Callable[[Mapping[str, Any]], str | None]:
+    """The row of a value of a strip, and the exact one."""
+    return _with(f"strip.{name}", lambda values: f"; exact {scale * values['strip']['exact'][name]:.5g}")
 
 
 def _shares_text(values: Mapping[str, Any]) -> str | None:
@@ -230,19 +239,40 @@ _SPECIAL: observables.Special = {
         lambda values: f"; deepest in the finger {values['checks']['penetration']['value']:.2%} of the thickness",
     ),
     "launch.shares": _shares_text,
+    **{f"strip.{name}": _beside_exact(name, scale) for name, scale in (("front_speed_m_s", 1.0), ("arrival_s", 1e3))},
 }
 """Rows that say more than one value."""
+
+
+def sweep_estimate(expected: Any) -> str:
+    """What a sweep is expected to cost, in a line."""
+    return (
+        f"{expected.scenes} scenes, about {expected.runs} to release: some {_duration(expected.seconds)}, and a table "
+        f"of {_bytes(expected.disk_bytes)}"
+    )
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 600.0 else f"{seconds / 3600.0:.1f} h"
+
+
+def _bytes(size: float) -> str:
+    return f"{size / 1e6:.1f} MB" if size > 2e5 else f"{size / 1e3:.0f} kB"
 
 
 def sweep(summary: dict[str, Any]) -> str:
     """A finished sweep in a few lines."""
     status, run = summary["status"], summary["run"]
     lines = [f"{summary['scenes']} scenes: " + ", ".join(f"{count} {name}" for name, count in sorted(status.items()))]
-    if run["released"]:
+    if run["released"] or run["by_formula"]:
         where = f"with {run['jobs']} jobs" if run["jobs"] else "on the given executor"
         inside = f"; {run['lammps_share']:.0%} of the work inside LAMMPS" if run["lammps_share"] else ""
         rate = f"{run['scenes_per_s']:.{0 if run['scenes_per_s'] >= 10.0 else 1}f} a second"
-        lines.append(f"  {run['released']} new scenes in {run['wall_s']:.1f} s, {rate} {where}{inside}")
+        answered = f", {run['by_formula']} by formula" if run["by_formula"] else ""
+        lines.append(f"  {run['released']} new scenes{answered} in {run['wall_s']:.1f} s, {rate} {where}{inside}")
+    peak, worker = run["peak_bytes"]["first_process"], run["peak_bytes"]["largest_worker"]
+    workers = f", {worker / 1e6:.0f} MB in the largest worker" if worker else ""
+    lines.append(f"  memory {peak / 1e6:.0f} MB in the first process{workers}; table of {_bytes(run['disk_bytes'])}")
     for code, found in summary["without_result"].items():
         lines.append(f"  no result for {found['scenes']} ({code}), the first: {found['first']}")
     if summary["relative_error"]:
@@ -265,7 +295,7 @@ def sweep(summary: dict[str, Any]) -> str:
 def heading(scene: Scene, degrees: str = " deg") -> str:
     """What was asked for, in one line."""
     law = "" if scene.law in scene.label.split(", ") else f", {scene.law}"
-    return f"Band {scene.label}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g}{degrees}{law}"
+    return f"Band {scene.label}, {scene.held(degrees)}{law}"
 
 
 def title_of(scene: Scene) -> str:

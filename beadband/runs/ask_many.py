@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any
@@ -13,14 +14,17 @@ from numpy.typing import NDArray
 
 from beadband.errors import UsageError, explain
 from beadband.lammps.engine import Session, kept_session
-from beadband.model.formula import VARIED, formula, shares_law
+from beadband.model.formula import STATED, VARIED, formula, shares_law, varies_together
 from beadband.model.laws import LAWS
 from beadband.model.scene import Scene, scene_of
-from beadband.parameters import TABLE, checked
+from beadband.parameters import TABLE, Parameter, checked
 from beadband.planning.ladder import MOST_SECONDS
 from beadband.runs.ask import UNITS, Answer, answer_by_formula, ask, question_of
 
 Array = NDArray[np.float64]
+
+TOO_MANY_RUNS = "too-many-runs"
+"""Code of the error for scenes of which more than allowed would be run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,20 +48,28 @@ class Answers:
 
 
 def arrays_among(values: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
-    """Those values of a scene, by their keys, that stand for many scenes."""
+    """Those values of a scene, by their keys, that stand for many scenes.
+
+    Lists do, but for constants that a law may have several of: there only numpy arrays do.
+    """
     return {
         key: np.asarray(value)
         for key, value in values.items()
-        if isinstance(value, (list, tuple, np.ndarray)) and key in TABLE and TABLE[key].kind != "numbers"
+        if key in TABLE
+        and (isinstance(value, np.ndarray) or (isinstance(value, (list, tuple)) and TABLE[key].kind != "numbers"))
     }
 
 
-def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Session | None = None) -> Answers:
+def ask_many(
+    values: Mapping[str, Any], quantity: str = "speed", session: Session | None = None, most_runs: float = math.inf
+) -> Answers:
     """Answers for the scenes that values with arrays among them make, in the order of the arrays.
 
-    Sizes, strains, angles and densities may vary within one evaluation of the formula; for every other value with
-    several entries the scenes are taken one kind after another. What the formula does not reach is run, scene by scene.
-    UsageError as :func:`beadband.runs.ask.ask`, for the first scene that has no answer.
+    Sizes, strains, angles and densities may vary within one evaluation of the formula, and so may the constants of a
+    law that softens; for every other value with several entries the scenes are taken one kind after another. What the
+    formula does not reach is run, scene by scene.
+    UsageError as :func:`beadband.runs.ask.ask`, for the first scene that has no answer, and where more than
+    ``most_runs`` scenes would be run.
     """
     start = time.perf_counter()
     arrays = arrays_among(values)
@@ -70,22 +82,27 @@ def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Sessio
     value, error = np.zeros(size), np.full(size, np.inf)
     model, runs, beads = np.full(size, "formula"), np.zeros(size, dtype=np.int64), np.zeros(size, dtype=np.int64)
     within = np.ones(size, dtype=bool)
-    others = {key: one for key, one in flat.items() if key not in (*VARIED, "tolerance")}
-    for chosen in _kinds(others, size):
-        first = chosen[0]
-        own = {**plain, **{key: one[first].item() for key, one in flat.items()}}
-        scene = scene_of(own)
-        if not _by_formula(scene):
-            continue
-        varied = {key: _checked(key, one[chosen]) for key, one in flat.items() if key in VARIED}
-        found = formula(scene, quantity, varied)
-        value[chosen], error[chosen] = found.value, found.error
-    tolerance = _checked("tolerance", flat["tolerance"]) if "tolerance" in flat else scene.tolerance
+    for chosen, scene, varied in alike(plain, flat, size):
+        if by_formula(scene):
+            found = formula(scene, quantity, varied)
+            value[chosen], error[chosen] = found.value, found.error
+    tolerance = _checked(TABLE["tolerance"], flat["tolerance"]) if "tolerance" in flat else scene.tolerance
     left = np.flatnonzero(error > tolerance * np.abs(value))
     if len(left):
+
+        def scene_at(at: int) -> Scene:
+            return scene_of({**plain, **{key: each[at].item() for key, each in flat.items()}})
+
+        if len(left) > most_runs:
+            question_of(scene_at(int(left[0])), quantity)
+            found_by = f"{len(left)} of {size} scenes"
+            allowed = f"at most {most_runs} scenes by runs"
+            advice = "narrow the ranges, raise --tolerance, or take fewer points"
+            wrong = "the formula does not reach the tolerance"
+            raise UsageError(explain(wrong, found_by, allowed, advice), TOO_MANY_RUNS)
         with kept_session() if session is None else nullcontext(session) as shared:
             for at in left.tolist():
-                one = ask(scene_of({**plain, **{key: each[at].item() for key, each in flat.items()}}), quantity, shared)
+                one = ask(scene_at(at), quantity, shared)
                 value[at], error[at], model[at], runs[at], beads[at] = (
                     one.value,
                     one.error,
@@ -106,25 +123,52 @@ def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Sessio
     )
 
 
-def _kinds(others: Mapping[str, NDArray[Any]], size: int) -> list[NDArray[np.int64]]:
+def alike(
+    plain: Mapping[str, Any], flat: Mapping[str, NDArray[Any]], size: int
+) -> Iterator[tuple[NDArray[np.int64], Scene, dict[str, Array]]]:
+    """Scenes of ``plain`` values and arrays of shape (size,), parted into those that one evaluation of a formula makes.
+
+    Gives for each part the places of its scenes, one of them, and what varies among them. UsageError for a value out of
+    range, and a first scene that has no answer.
+    """
+    constants = [
+        key
+        for key in flat
+        if key == STATED or (TABLE[key].section == "law" and TABLE[key].kind in ("number", "numbers"))
+    ]
+    kinds = kinds_among([one for key, one in flat.items() if key not in (*VARIED, *constants, "tolerance")], size)
+    while kinds:
+        chosen = kinds.pop(0)
+        scene = scene_of({**plain, **{key: one[chosen[0]].item() for key, one in flat.items()}})
+        ranges = {**TABLE, **{one.key: one for one in scene.material.constants()}}
+        varied = {key: _checked(ranges[key], flat[key][chosen]) for key in (*VARIED, *constants) if key in flat}
+        if not varies_together(scene, varied):
+            parts = kinds_among([flat[key][chosen] for key in constants], len(chosen))
+            if len(parts) > 1:
+                kinds[:0] = [chosen[part] for part in parts]
+                continue
+            varied = {key: one for key, one in varied.items() if key in VARIED}
+        yield chosen, scene, varied
+
+
+def kinds_among(others: Sequence[NDArray[Any]], size: int) -> list[NDArray[np.int64]]:
     """Places of the scenes that share the values of ``others``, one array for each kind."""
     if not others:
         return [np.arange(size)]
-    codes = np.stack([np.unique(one, return_inverse=True)[1] for one in others.values()])
+    codes = np.stack([np.unique(one, return_inverse=True)[1] for one in others])
     kind = np.unique(codes, axis=1, return_inverse=True)[1].ravel()
     return [np.flatnonzero(kind == number) for number in range(int(kind.max()) + 1)]
 
 
-def _checked(key: str, values: NDArray[Any]) -> Array:
+def _checked(one: Parameter, values: NDArray[Any]) -> Array:
     """Numbers of a parameter, each in its range; UsageError for the first that is not."""
     if values.dtype.kind not in "fiu":
-        checked(key, values[0].item())
+        checked(one.key, values[0].item(), one)
     numbers = values.astype(np.float64)
     least, most = float(numbers.min()), float(numbers.max())
-    one = TABLE[key]
     if not (one.holds(least) and one.holds(most)):
         wrong = next(each for each in numbers.tolist() if not one.holds(each))
-        checked(key, wrong)
+        checked(one.key, wrong, one)
     return numbers
 
 
@@ -169,11 +213,11 @@ def _base(rest: tuple[tuple[str, Any], ...], varied: tuple[tuple[str, Any], ...]
         if len(_bases) >= _MOST_BASES:
             _bases.clear()
         scene = scene_of(dict((*rest, *varied)))
-        _bases[key] = scene if _by_formula(scene) else None
+        _bases[key] = scene if by_formula(scene) else None
     return _bases[key]
 
 
-def _by_formula(scene: Scene) -> bool:
+def by_formula(scene: Scene) -> bool:
     """Whether scenes that differ from this one in sizes, strain and angle have answers by one evaluation."""
     question_of(scene, "speed")
     return shares_law(scene) and not (scene.errors or scene.covariance or scene.auto_tolerance or scene.tip_radius_m)

@@ -22,6 +22,7 @@ from beadband.planning.plan import Plan
 from beadband.runs import folder as files
 from beadband.runs.clock import Clock
 from beadband.runs.finish import Reader, unchanged, written
+from beadband.runs.hand import HandRun, hand_run
 from beadband.runs.input_errors import budget_of
 from beadband.runs.launch_results import Launch, LaunchEstimate, stored_launch_estimate
 from beadband.runs.measurement import measure
@@ -76,8 +77,20 @@ def follow_launch(scene: Scene) -> tuple[LaunchPlan, LaunchMeasurement, Watch]:
     """Launch a scene and measure its finger and its centre of mass; no file is kept."""
     plan = launch_plan_of(scene)
     with files.scratch() as folder:
-        watch = _watched(folder, plan)
+        watch = _watched(folder, plan, *plan.held())
     return plan, _launch_of(plan, watch), watch
+
+
+def follow_hand(scene: Scene) -> tuple[LaunchPlan, LaunchMeasurement, Watch, HandRun]:
+    """Launch a scene with a hand and measure both; no file is kept."""
+    plan = launch_plan_of(scene)
+    ring, support = plan.held()
+    with files.scratch() as folder:
+        watch = _watched(folder, plan, ring, support)
+        hand = hand_run(folder, plan, ring, support, watch)
+    if hand is None:
+        raise ValueError(f"{scene!r} has no hand")
+    return plan, _launch_of(plan, watch), watch, hand
 
 
 def estimate_of(plan: LaunchPlan) -> Estimates:
@@ -86,17 +99,19 @@ def estimate_of(plan: LaunchPlan) -> Estimates:
     try:
         coarse = launch_plan_of(plan.scene.with_beads(beads))
         with files.scratch() as folder, reading_own_files():
-            watch = _watched(folder, coarse)
+            ring, support = coarse.held()
+            watch = _watched(folder, coarse, ring, support)
+            hand = hand_run(folder, coarse, ring, support, watch)
             rear = measure(ended(coarse, watch), read(folder / files.REAR))
     except BeadbandError as error:
         failed = NoEstimate(error.code, str(error))
         return failed, failed
-    return Estimate.of(beads, rear), LaunchEstimate.of(beads, _launch_of(coarse, watch))
+    return Estimate.of(beads, rear), LaunchEstimate.of(beads, _launch_of(coarse, watch), hand.found if hand else None)
 
 
-def _watched(folder: Path, plan: LaunchPlan) -> Watch:
-    """Launch in a folder, without the trajectory; the lines of finger.dat."""
-    write_launch(folder, plan, *plan.held(), pictures=False)
+def _watched(folder: Path, plan: LaunchPlan, ring: Ring, support: Support) -> Watch:
+    """Launch a held ring in a folder, without the trajectory; the lines of finger.dat."""
+    write_launch(folder, plan, ring, support, pictures=False)
     run_script(folder, files.LAUNCH_SCRIPT)
     with reading_own_files():
         return read_watch(folder / files.FINGER)
@@ -122,10 +137,13 @@ def _measured(
     whole = read(folder / files.TRAJECTORY)
     times = whole.times_s(plan.timestep_s)
     crossed = next((float(t) for t, frame in zip(times, whole.positions_m, strict=True) if crossings(frame)), None)
+    hand = hand_run(folder, plan, ring, support, watch)
     tip = np.interp(watch.times_s(plan.timestep_s), measured.rear.times_s, measured.rear.tip_x_m)
+    surface = support.centre_m - support.radius_m + (hand.path.x_m if hand else 0.0)
+    energy = launch_balance(watch, plan.timestep_s, hand.energy_j if hand else None)
     return Launch(
         release, measured, estimates[0], budget_of(plan.scene, measured.fitted_speed_m_s.value), held=ring,
-        energy=launch_balance(watch, plan.timestep_s), folder=folder, launch_plan=plan, support=support, watch=watch,
-        found=_launch_of(plan, watch), clearance_m=support.centre_m - support.radius_m - tip, crossed_s=crossed,
-        launch_estimate=estimates[1], **more,
+        energy=energy, folder=folder, launch_plan=plan, support=support, watch=watch,
+        found=_launch_of(plan, watch), clearance_m=surface - tip, crossed_s=crossed,
+        launch_estimate=estimates[1], hand=hand, **more,
     )  # fmt: skip

@@ -14,10 +14,12 @@ from beadband.analysis.contact import LaunchMeasurement
 from beadband.analysis.convergence import plain_error
 from beadband.analysis.energy import LaunchBalance
 from beadband.analysis.fits import Array, Measured
+from beadband.analysis.hand import HandMeasurement
 from beadband.analysis.readers import Watch
 from beadband.notices import Notice, notice
 from beadband.planning.launch_plan import DEPTH_BOUND, LaunchPlan
 from beadband.runs.checks import Check, momentum_limit
+from beadband.runs.hand import HandRun
 from beadband.runs.results import NoEstimate, Run, known_fields
 from beadband.statics.finger import Support
 
@@ -36,14 +38,15 @@ class LaunchEstimate:
     finger_free_s: float | None = None
     rear_arrival_s: float | None = None
     pause_s: float | None = None
+    hand: HandMeasurement | None = None
 
     @classmethod
-    def of(cls, beads: int, found: LaunchMeasurement) -> LaunchEstimate:
+    def of(cls, beads: int, found: LaunchMeasurement, hand: HandMeasurement | None = None) -> LaunchEstimate:
         """From what a launch with so many beads found."""
-        return cls(beads, **{name: getattr(found, name) for name in _COMPARED})
+        return cls(beads, **{name: getattr(found, name) for name in _COMPARED}, hand=hand)
 
 
-_COMPARED = tuple(one.name for one in fields(LaunchEstimate) if one.name != "beads")
+_COMPARED = tuple(one.name for one in fields(LaunchEstimate) if one.name not in ("beads", "hand"))
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -60,6 +63,8 @@ class Launch(Run):
     crossed_s: float | None
     """First frame in which the band crosses itself, which beads do and bands don't."""
     launch_estimate: LaunchEstimate | NoEstimate
+    hand: HandRun | None = None
+    """The finger that moves; None where it stays."""
 
     level: ClassVar[str] = "launch"
 
@@ -123,6 +128,13 @@ class Launch(Run):
             errors["escape_speed_m_s"] = values["escape_speed_m_s"] * errors["pause_s"] / pause
         return {name: Measured(value, errors[name]) if name in errors else value for name, value in values.items()}
 
+    @cached_property
+    def hand_figures(self) -> dict[str, Any] | None:
+        """What the hand felt, by the names of results.json, with errors; None where the finger stays."""
+        other = self.launch_estimate
+        coarse = (other.beads, other.hand) if isinstance(other, LaunchEstimate) and other.hand else None
+        return None if self.hand is None else self.hand.figures(self.plan.beads, coarse, self.plan.speed_error)
+
     @property
     def shares(self) -> dict[str, float]:
         """Where the stored energy is at the end, as shares of it."""
@@ -134,6 +146,7 @@ class Launch(Run):
             "vibration": found.vibration_j,
             "dissipated": energy.dissipated_j[-1],
             "contact": energy.contact_j[-1],
+            **({"hand": energy.hand_j[-1]} if self.hand else {}),
         }
         return {name: float(value) / energy.stored_j for name, value in parts.items()}
 
@@ -180,6 +193,7 @@ class Launch(Run):
             **super().checks,
             "penetration": Check("too-deep", depth, DEPTH_BOUND),
             "momentum": Check("momentum-unbalanced", apart, momentum_limit(self.plan.steps)),
+            **(self.hand.checks(found.momentum_n_s) if self.hand else {}),
         }
 
     def remarks(self) -> tuple[Notice, ...]:
@@ -196,6 +210,7 @@ class Launch(Run):
             count, start, share = len(found.touches), found.touches[0].start_s, abs(pushed / found.momentum_n_s)
             way = "lost" if pushed < 0.0 else "gained"
             more.append(notice("touched-again", count=count, start_s=start, way=way, value=share))
+        more += self.hand.remarks() if self.hand else []
         if self.crossed_s is not None:
             more.append(notice("crosses-itself", value=self.crossed_s))
         if self.aside_m > ASIDE_SHARE * self.scene.band.thickness_m:
@@ -213,5 +228,7 @@ def stored_launch_estimate(values: Mapping[str, Any]) -> LaunchEstimate | NoEsti
     """The coarse launch noted in results, of whichever version; what it does not hold is left open."""
     noted = (values.get("launch") or {}).get("estimate")
     if isinstance(noted, Mapping) and "beads" in noted:
-        return LaunchEstimate(**known_fields(LaunchEstimate, noted))
+        hand = noted.get("hand")
+        felt = {"hand": hand and HandMeasurement(**known_fields(HandMeasurement, hand))}
+        return LaunchEstimate(**known_fields(LaunchEstimate, noted) | felt)
     return NoEstimate("not-stored", "the results hold none")

@@ -41,6 +41,12 @@ class Support:
         """Energy of the support for beads (beads, 2)."""
         return float(0.5 * self.stiffness_n_m * np.sum(np.maximum(self.depths_m(positions_m), 0.0) ** 2))
 
+    def pull_n(self, positions_m: Array) -> float:
+        """Force of beads (beads, 2) on the support along x, towards the tip positive: what holds it there."""
+        ahead = positions_m[:, 0] - self.centre_m
+        pushes = self.stiffness_n_m * np.maximum(self.depths_m(positions_m), 0.0)
+        return float(np.sum(pushes * ahead / np.hypot(ahead, positions_m[:, 1])))
+
 
 def finger_loads_n(ring: Ring, strand: Strand) -> Array:
     """What the rigid finger carries at each bead of the upper half (beads//2 + 1,), N; zero off the finger."""

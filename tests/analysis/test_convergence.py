@@ -8,15 +8,21 @@ import numpy as np
 import pytest
 
 from beadband.analysis.convergence import limit_of, observed_order, plain_error
-from beadband.analysis.fits import path_mean, path_slope
+from beadband.analysis.fits import Array, path_mean, path_slope
 
 SPACING = np.array([1.0, math.sqrt(2.0), 2.0])
+
+
+def covariance(noise: Array, drift: float, order: float) -> Array:
+    """Of errors that go together with the order, and of noise."""
+    common = drift * SPACING**order
+    return np.outer(common, common) + np.diag(noise**2)
 
 
 @pytest.mark.parametrize("order", [1.0, 2.0])
 def test_levels_with_a_clean_order_are_carried_on(order: float) -> None:
     values = 17.0 * (1.0 - 3e-3 * SPACING**order)
-    found = limit_of(SPACING, values, np.full(3, 1e-7), 1e-2, order)
+    found = limit_of(values, covariance(np.full(3, 1e-7), 1e-2, order))
     assert found.value == pytest.approx(17.0, rel=1e-6)
     assert abs(found.value - 17.0) < 3.0 * found.error
     assert found.error < 1e-3 * abs(values[0] - 17.0)
@@ -26,7 +32,7 @@ def test_levels_with_a_clean_order_are_carried_on(order: float) -> None:
 def test_levels_that_scatter_are_not() -> None:
     """Where noise is all that there is the limit is the mean with the weights of the noise."""
     values, noise = np.array([17.01, 16.99, 17.03]), np.array([1e-3, 2e-3, 4e-3])
-    found = limit_of(SPACING, values, noise, 1e-9, 1.0)
+    found = limit_of(values, covariance(noise, 1e-9, 1.0))
     weights = noise**-2.0 / np.sum(noise**-2.0)
     assert found.value == pytest.approx(float(weights @ values), rel=1e-9)
     assert found.error == pytest.approx(values[0] * np.sum(noise**-2.0) ** -0.5, rel=1e-9)
@@ -35,14 +41,14 @@ def test_levels_that_scatter_are_not() -> None:
 
 def test_more_scatter_than_expected_is_stated() -> None:
     values, noise = np.array([17.0, 17.3, 16.8]), np.full(3, 1e-3)
-    found = limit_of(SPACING, values, noise, 1e-9, 1.0)
+    found = limit_of(values, covariance(noise, 1e-9, 1.0))
     assert found.excess > 5.0
     assert found.error == pytest.approx(found.excess * 17.0 * 1e-3 / math.sqrt(3.0), rel=1e-2)
 
 
 def test_an_independent_answer_joins() -> None:
     values, noise = np.array([17.02]), np.array([1e-3])
-    found = limit_of(np.array([1.0]), values, noise, 1e-9, 1.0, known=(17.0, 17.02e-3))
+    found = limit_of(values, np.diag(noise**2), known=(17.0, 17.02e-3))
     assert found.value == pytest.approx(17.01, rel=1e-6)
     assert found.error == pytest.approx(17.02e-3 / math.sqrt(2.0), rel=1e-6)
 

@@ -60,7 +60,7 @@ def test_arguments_broadcast_and_density_scales() -> None:
 )
 def test_the_numbers_of_arrays_are_the_maps_features(values: dict[str, Any]) -> None:
     scene = scene_of(values)
-    numbers, speed = formula._numbers(scene, formula._arrays(scene, {}))
+    numbers, speed = formula._numbers(scene, *formula.scenes_of(scene, {}))
     assert numbers[0] == pytest.approx(correction.features(scene), rel=1e-9, nan_ok=True)
     assert float(speed) == pytest.approx(scene.string.rear_speed_m_s, rel=1e-12)
 

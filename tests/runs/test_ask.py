@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -98,6 +99,31 @@ def test_arrays_are_answered_as_one_by_one(session: Session) -> None:
             assert found.error[i, j] == pytest.approx(single.error, rel=1e-6)
             assert found.model[i, j] == single.model
     assert found.within_tolerance.all()
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"c10": np.array([1.2e5, 1.9e5, -1e4]), "c01": np.array([2e5, 1e5, 3e5]), "modulus": np.array([1e6, 2e6, 3e6])},
+        {"law": "linear", "modulus": np.array([[1e6, 2e6], [3e6, 4e6]]), "strain": [0.3, 0.6]},
+        {"law": "gent", "mu": np.array([2e5, 4e5]), "jm": np.array([30.0, 4.0]), "strain": 1.1},
+    ],
+    ids=["softening", "linear", "stiffening"],
+)
+def test_constants_of_a_law_may_be_arrays(values: dict[str, Any], session: Session) -> None:
+    """All of a softening law by one evaluation, others one kind after another: the same as one by one."""
+    arrays = {key: np.asarray(one) for key, one in values.items() if not isinstance(one, (str, float))}
+    many = beadband.ask(tolerance=0.02, **values)
+    for at in np.ndindex(many.value.shape):
+        own = {key: float(np.broadcast_to(one, many.value.shape)[at]) for key, one in arrays.items()}
+        single = beadband.ask(tolerance=0.02, **{**values, **own})
+        assert many.value[at] == pytest.approx(single.value, rel=1e-9)
+        assert many.error[at] == pytest.approx(single.error, rel=1e-6)
+
+
+def test_an_array_of_constants_without_an_answer_is_refused() -> None:
+    with pytest.raises(UsageError, match="tension peaks"):
+        beadband.ask(c10=np.array([1e5, -2.4e4]), c01=np.array([1e5, 4.6e4]))
 
 
 def test_python_takes_the_flags_as_keywords() -> None:

@@ -1,4 +1,4 @@
-"""Which scenes a sweep is made of: a grid of options, or random draws from their ranges."""
+"""Which scenes a sweep is made of: a grid of options, or samples of their ranges."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import itertools
 import os
 import random
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,8 +15,11 @@ from beadband import parameters
 from beadband.errors import UsageError, explain
 from beadband.model.bands import known_values
 from beadband.parameters import TABLE
+from beadband.studies.samples import check_sample
 
 MOST_SCENES = 10_000_000
+_PART = 4096
+"""Draws that are made together."""
 
 Values = dict[str, Any]
 
@@ -36,8 +39,10 @@ class Grid:
 
     axes: tuple[Axis, ...]
     count: int | None = None
-    """Number of random draws; None for the whole grid."""
+    """Number of draws; None for the whole grid."""
     seed: int = 0
+    sample: str = "random"
+    """How they are drawn: one of :data:`beadband.studies.samples.SAMPLES`."""
 
     def __len__(self) -> int:
         total = 1
@@ -45,21 +50,55 @@ class Grid:
             total *= len(axis.values)
         return total if self.count is None else self.count
 
-    def scenes(self) -> list[Values]:
-        """Values of every scene; the last axis runs fastest."""
+    def scenes(self) -> Iterator[Values]:
+        """Values of every scene, one after another; the last axis runs fastest. Each call begins anew."""
         if self.count is None:
             keys = [axis.key for axis in self.axes]
-            return [
-                dict(zip(keys, point, strict=True)) for point in itertools.product(*(axis.values for axis in self.axes))
-            ]
+            for point in itertools.product(*(axis.values for axis in self.axes)):
+                yield dict(zip(keys, point, strict=True))
+            return
+        if self.sample != "random":
+            yield from self._filling()
+            return
         draws = random.Random(self.seed)
-        return [{axis.key: _draw(axis, draws) for axis in self.axes} for _ in range(self.count)]
+        for _ in range(self.count):
+            yield {axis.key: _draw(axis, draws) for axis in self.axes}
+
+    def some(self, number: int) -> list[Values]:
+        """So many scenes that stand for all: spread evenly over the grid, or the first draws."""
+        if self.count is not None:
+            return list(itertools.islice(self.scenes(), number))
+        return (
+            [self._point(at * len(self) // number) for at in range(number)] if len(self) > number else [*self.scenes()]
+        )
+
+    def _point(self, place: int) -> Values:
+        """The scene at a place of the whole grid."""
+        found = []
+        for axis in reversed(self.axes):
+            place, at = divmod(place, len(axis.values))
+            found.append((axis.key, axis.values[at]))
+        return dict(reversed(found))
+
+    def _filling(self) -> Iterator[Values]:
+        """Draws that fill the ranges evenly; in memory there is a number a draw and option."""
+        from beadband.studies.samples import unit_points
+
+        open_axes = [axis for axis in self.axes if len(axis.values) > 1]
+        points = unit_points(self.sample, self.count or 0, len(open_axes), self.seed)
+        alone = {axis.key: axis.values[0] for axis in self.axes}
+        for first in range(0, len(points), _PART):
+            part = points[first : first + _PART]
+            columns = [_placed(axis, part[:, at]) for at, axis in enumerate(open_axes)]
+            for row in zip(*columns, strict=True) if columns else [()] * len(part):
+                yield {**alone, **{axis.key: value for axis, value in zip(open_axes, row, strict=True)}}
 
     def as_dict(self) -> dict[str, Any]:
         """The grid as JSON takes it."""
         return {
             "axes": {axis.key: list(axis.between or axis.values) for axis in self.axes},
             "random": self.count,
+            "sample": self.sample if self.count is not None else None,
             "seed": self.seed if self.count is not None else None,
         }
 
@@ -70,11 +109,23 @@ def _draw(axis: Axis, draws: random.Random) -> Any:
     return draws.uniform(*axis.between)
 
 
-def grid_of(values: Mapping[str, Any], count: int | None = None, seed: int | None = None) -> Grid:
+def _placed(axis: Axis, places: Any) -> list[Any]:
+    """Values of an option at places in it from 0 to 1, shape (draws,)."""
+    if axis.between is None:
+        return [axis.values[int(place * len(axis.values))] for place in places]
+    low, high = axis.between
+    found: list[Any] = (low + (high - low) * places).tolist()
+    return found
+
+
+def grid_of(
+    values: Mapping[str, Any], count: int | None = None, seed: int | None = None, sample: str | None = None
+) -> Grid:
     """Build a grid from an option's values each: a value, a list, or text as in "0.1:1.4:14" and "I,II,III".
 
     Options that are not named keep their defaults. With ``count`` so many scenes are drawn, ranges evenly between
-    their ends and lists by choice. UsageError for an option or value that a sweep does not take, or too many scenes.
+    their ends and lists by choice: as ``sample`` says, by default at random. UsageError for an option or value that a
+    sweep does not take, or too many scenes.
     """
     axes = []
     values = parameters.by_key(values)
@@ -93,10 +144,14 @@ def grid_of(values: Mapping[str, Any], count: int | None = None, seed: int | Non
     if count is not None and not 1 <= count <= MOST_SCENES:
         allowed = f"1 to {MOST_SCENES}"
         raise UsageError(explain("the number of scenes is out of range", count, allowed, "change --random"))
-    if seed is not None and count is None:
-        wrong = "--seed is not used without --random: the grid has no draws"
-        raise UsageError(explain(wrong, f"--seed {seed}", "--seed with --random", "leave it out"), parameters.UNUSED)
-    grid = Grid(tuple(axes), count, seed or 0)
+    for flag, given in (("--seed", seed), ("--sample", sample)):
+        if given is not None and count is None:
+            wrong = f"{flag} is not used without --random: the grid has no draws"
+            raise UsageError(
+                explain(wrong, f"{flag} {given}", f"{flag} with --random", "leave it out"), parameters.UNUSED
+            )
+    check_sample(sample or "random")
+    grid = Grid(tuple(axes), count, seed or 0, sample or "random")
     if len(grid) > MOST_SCENES:
         raise UsageError(
             explain("the grid is too large", f"{len(grid)} scenes", f"at most {MOST_SCENES}", "give fewer values")
