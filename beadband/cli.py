@@ -152,6 +152,16 @@ def build_parser() -> argparse.ArgumentParser:
         help="how they are drawn: random, latin-hypercube or sobol (with --random; default: random)",
     )
     sweep.add_argument("--seed", metavar="S", type=int, help="seed of the draws (with --random; default: 0)")
+    sweep.add_argument(
+        "--by", metavar="WAY", help="cheapest: the formula where it will do; runs: none (default: by the tolerance)"
+    )
+    sweep.add_argument("--parquet", action="store_true", help="write sweep.parquet too (needs pyarrow)")
+    sweep.add_argument(
+        "--executor", metavar="MODULE:FACTORY", help="what runs the scenes: any executor of concurrent.futures"
+    )
+    sweep.add_argument(
+        "--hang-after", metavar="S", type=float, help="seconds beyond the expected ones until a worker is given up"
+    )
     sensitivity = command("sensitivity", "which input's range decides the answer: Sobol' indices", scene=True)
     _vary(sensitivity)
     sensitivity.add_argument(

@@ -241,16 +241,32 @@ def reproduce(arguments: Namespace) -> int:
 
 def sweep(arguments: Namespace) -> int:
     """Release a grid of scenes."""
-    from beadband.lammps.ranks import world
+    from beadband.lammps.ranks import stop_others, world
     from beadband.reporting import summary as tables
     from beadband.studies import sweep as sweeping
+    from beadband.studies.engines import engine_of, left_behind
     from beadband.studies.sweep.grid import grid_of, read_grid
 
     values = read_grid(arguments.grid) if arguments.grid is not None else {}
     grid = grid_of(values | parameters.given(arguments), arguments.random, arguments.seed, arguments.sample)
     out = arguments.out if arguments.out is not None else "sweep"
-    with _bar("scene") as follow:
-        done = sweeping.run_grid(grid, jobs=arguments.jobs, out=out, follow=follow)
+    patience = {} if arguments.hang_after is None else {"hang_after": arguments.hang_after}
+
+    def announce(expected: Any) -> None:
+        print(tables.sweep_estimate(expected), file=sys.stderr)
+
+    with engine_of(arguments.executor) as executor, _bar("scene") as follow:
+        done = sweeping.run_grid(
+            grid,
+            by=arguments.by,
+            jobs=arguments.jobs,
+            executor=executor,
+            out=out,
+            parquet=arguments.parquet,
+            follow=follow,
+            announce=announce,
+            **patience,
+        )
     if world().rank == 0:
         print(json.dumps(done.summary, indent=1) if arguments.json else tables.sweep(done.summary))
         print(f"table, summary and pictures in {out}", file=sys.stderr)
@@ -259,6 +275,10 @@ def sweep(arguments: Namespace) -> int:
             first = next((each["first"] for each in reasons), "the grid holds no scene")
             refused = "failed" not in done.summary["status"]
             raise (UsageError if refused else RunError)(f"no scene of the sweep has a result; the first: {first}")
+        if left_behind():
+            # Ranks that wait for one which hangs would never end.
+            sys.stdout.flush()
+            stop_others(0)
     return 0
 
 

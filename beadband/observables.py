@@ -258,7 +258,8 @@ _TABLE: list[Observable] = [
     _object("estimate", "the coarse run from which the error is judged", _coarse("estimate"), null=True),
     _object("estimate_failure", "code and reason where there is no coarse run", _coarse("estimate", True), null=True),
     _object("checks", "physics checks: value and bound of each; failed: sentences", _checks),
-    Observable("plan.model", "what was computed: the ring, or one leg of it", kind="text", column="model"),
+    Observable("plan.model", "what was computed: the ring, or one leg of it; in sweeps also formula, without a run",
+               kind="text", column="model"),
     Observable("plan.beads", "beads of the whole ring", kind="integer", column="beads", label="beads, steps"),
     Observable("plan.steps", "time steps", kind="integer", column="steps"),
     Observable("plan.bead_steps", "computed beads times steps", kind="integer", column="bead_steps"),
@@ -380,9 +381,25 @@ def as_dict(result: Any) -> dict[str, Any]:
     return values
 
 
-def columns() -> tuple[str, ...]:
+@dataclass(frozen=True)
+class Column:
+    """A column in the table of a sweep."""
+
+    name: str
+    kind: str  # "number", "integer" or "text"
+    sentence: str
+    unit: str = ""
+
+
+def columns() -> tuple[Column, ...]:
     """Columns of what a release gave in the table of a sweep, each error behind its value."""
-    return tuple(name for one in table("rear") if one.column for name in _names(one, one.column))
+    found = []
+    for one in (one for one in table("rear") if one.column):
+        name, *errors = _names(one, one.column)
+        flag = one.kind == "flag"
+        found.append(Column(name, "text" if flag else one.kind, one.sentence + (": yes or no" * flag), one.unit))
+        found += [Column(error, "number", f"error of {name}", one.unit) for error in errors]
+    return tuple(found)
 
 
 def _names(one: Observable, name: str) -> list[str]:
@@ -490,6 +507,16 @@ only with `--shape strip`, whose rebound speed is the recoil speed of its releas
 |---|---|---|---|"""
 
 
+_COLUMNS_HEAD = """
+## Columns of a sweep
+
+Before them stand `key`, the scene as JSON, and a column for each option of the grid; behind them `status`,
+`reason` and `reason_code` (text). `manifest.json` in the folder of a sweep describes all of them.
+
+| column | kind | unit | what it is |
+|---|---|---|---|"""
+
+
 def as_markdown() -> str:
     """The dictionary of results and columns, for the documents."""
     lines = [_HEAD]
@@ -501,4 +528,6 @@ def as_markdown() -> str:
         remark = " (may be null)" if one.null else ""
         remark = remark or (" (left out where there is none)" if one.optional else "")
         lines.append(f"| {name} | {one.unit} | {one.sentence}{remark} | {column} |")
+    lines.append(_COLUMNS_HEAD)
+    lines += [f"| `{one.name}` | {one.kind} | {one.unit} | {one.sentence} |" for one in columns()]
     return "\n".join(lines) + "\n"

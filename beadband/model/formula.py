@@ -99,22 +99,20 @@ def _law_of(scene: Scene, given: Mapping[str, Array]) -> tuple[Law, Mapping[str,
     return (replace(scene.material, **constants) if constants else scene.material), given  # type: ignore[type-var]
 
 
+def answered(scene: Scene, varied: Mapping[str, Any]) -> NDArray[np.bool_]:
+    """Which copies of a scene, varied as for :func:`formula`, have an answer at all."""
+    found: NDArray[np.bool_] = ~_refused(scene, *_given(scene, varied))
+    return found
+
+
 def scenes_of(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, Array]]:
     """The law, and what :data:`VARIED` and the other keys are for each scene; beside them the legs and angles.
 
     Arrays of one shape, with ``leg_m``, the reference leg, and ``half_angle_rad`` among them. UsageError where one of
     the scenes has no answer.
     """
-    law, given = _law_of(scene, _broadcast(scene, varied))
-    strain, phi = given["strain"], np.radians(given["half_angle_deg"])
-    held = 1.0 + strain
-    leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
-    thickness = given["thickness_m"]
-    # A law that softens, as those of arrays do, carries more and more up to where its tangent is gone.
-    peaked = law.tangent(held) <= 0.0 if arrays_of(law) else held >= longest_held(scene.material)
-    refused = (held * np.sin(phi) >= 1.0) | peaked
-    if scene.bending_scale > 0.0:
-        refused |= (leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg / held <= thickness)
+    law, given = _given(scene, varied)
+    refused = _refused(scene, law, given)
     if np.any(refused):
         from beadband.model.scene import scene_of
 
@@ -122,7 +120,25 @@ def scenes_of(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, A
         changed = {key: float(given[key].ravel()[at]) for key in varied}
         check_validity(scene_of({**scene.as_dict(), **changed}))
         raise UsageError(explain("a scene has no answer", changed, "a wedge that can be held", "leave it out"))
+    return law, given
+
+
+def _given(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, Array]]:
+    law, given = _law_of(scene, _broadcast(scene, varied))
+    held, phi = 1.0 + given["strain"], np.radians(given["half_angle_deg"])
+    leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
     return law, {**given, "leg_m": leg / held, "half_angle_rad": phi}
+
+
+def _refused(scene: Scene, law: Law, given: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Which scenes have no answer: those of :func:`scene_of` and :func:`check_validity`."""
+    held, phi, leg, thickness = 1.0 + given["strain"], given["half_angle_rad"], given["leg_m"], given["thickness_m"]
+    # A law that softens, as those of arrays do, carries more and more up to where its tangent is gone.
+    peaked = law.tangent(held) <= 0.0 if arrays_of(law) else held >= longest_held(scene.material)
+    refused: NDArray[np.bool_] = (held * np.sin(phi) >= 1.0) | peaked
+    if scene.bending_scale > 0.0:
+        refused |= (held * leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg <= thickness)
+    return refused
 
 
 @lru_cache(maxsize=256)

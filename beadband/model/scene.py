@@ -167,7 +167,7 @@ class Scene:
 
     @property
     def published_ratio(self) -> float:
-        return published_ratio(self.strain, self.half_angle_rad)
+        return float(published_ratio(self.strain, self.half_angle_rad))
 
     def wave_speeds(self, front_speed_m_s: float) -> dict[str, float]:
         """The three speeds that V is divided by, m/s (see :func:`beadband.model.wedge.wave_speeds`)."""

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
 from beadband.model.bands import Band
 from beadband.model.laws import Law, UnloadingWave
 from beadband.model.roots import root
@@ -107,19 +109,24 @@ def strip_limit(law: Law, density_kg_m3: float, strain: float) -> StringLimit:
     return StringLimit(behind - 1.0, 0.0, speed, speed, wave.front_speed_m_s, wave)
 
 
-def published_ratio(strain: float, half_angle_rad: float) -> float:
-    """V/C of the published formula, [strain/(1+strain)]/(1 - sin phi): the limit of no residual tension."""
-    return strain / (1.0 + strain) / (1.0 - math.sin(half_angle_rad))
+def published_ratio(strain: Any, half_angle_rad: Any) -> Any:
+    """V/C of the published formula, [strain/(1+strain)]/(1 - sin phi): the limit of no residual tension.
+
+    Floats or arrays.
+    """
+    sine = math.sin(half_angle_rad) if isinstance(half_angle_rad, float) else np.sin(half_angle_rad)
+    return strain / (1.0 + strain) / (1.0 - sine)
 
 
-def wave_speeds(band: Band, front_speed_m_s: float, strain: float, half_angle_rad: float) -> dict[str, float]:
-    """The three speeds that a rebound is divided by, in m/s.
+def wave_speeds(band: Band, front_speed_m_s: Any, strain: Any, half_angle_rad: Any) -> dict[str, Any]:
+    """The three speeds that a rebound is divided by, in m/s; floats or arrays.
 
     ``bar`` is sqrt(E/density), ``rest`` sqrt(E0/density), ``front_horizontal`` the speed in space at which the
     front runs towards the finger, (1+strain) cos(phi) times its speed in reference length.
     """
+    cosine = math.cos(half_angle_rad) if isinstance(half_angle_rad, float) else np.cos(half_angle_rad)
     return {
         "bar": band.bar_speed_m_s,
         "rest": band.rest_speed_m_s,
-        "front_horizontal": (1.0 + strain) * front_speed_m_s * math.cos(half_angle_rad),
+        "front_horizontal": (1.0 + strain) * front_speed_m_s * cosine,
     }

@@ -244,15 +244,35 @@ _SPECIAL: observables.Special = {
 """Rows that say more than one value."""
 
 
+def sweep_estimate(expected: Any) -> str:
+    """What a sweep is expected to cost, in a line."""
+    return (
+        f"{expected.scenes} scenes, about {expected.runs} to release: some {_duration(expected.seconds)}, and a table "
+        f"of {_bytes(expected.disk_bytes)}"
+    )
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 600.0 else f"{seconds / 3600.0:.1f} h"
+
+
+def _bytes(size: float) -> str:
+    return f"{size / 1e6:.1f} MB" if size > 2e5 else f"{size / 1e3:.0f} kB"
+
+
 def sweep(summary: dict[str, Any]) -> str:
     """A finished sweep in a few lines."""
     status, run = summary["status"], summary["run"]
     lines = [f"{summary['scenes']} scenes: " + ", ".join(f"{count} {name}" for name, count in sorted(status.items()))]
-    if run["released"]:
+    if run["released"] or run["by_formula"]:
         where = f"with {run['jobs']} jobs" if run["jobs"] else "on the given executor"
         inside = f"; {run['lammps_share']:.0%} of the work inside LAMMPS" if run["lammps_share"] else ""
         rate = f"{run['scenes_per_s']:.{0 if run['scenes_per_s'] >= 10.0 else 1}f} a second"
-        lines.append(f"  {run['released']} new scenes in {run['wall_s']:.1f} s, {rate} {where}{inside}")
+        answered = f", {run['by_formula']} by formula" if run["by_formula"] else ""
+        lines.append(f"  {run['released']} new scenes{answered} in {run['wall_s']:.1f} s, {rate} {where}{inside}")
+    peak, worker = run["peak_bytes"]["first_process"], run["peak_bytes"]["largest_worker"]
+    workers = f", {worker / 1e6:.0f} MB in the largest worker" if worker else ""
+    lines.append(f"  memory {peak / 1e6:.0f} MB in the first process{workers}; table of {_bytes(run['disk_bytes'])}")
     for code, found in summary["without_result"].items():
         lines.append(f"  no result for {found['scenes']} ({code}), the first: {found['first']}")
     if summary["relative_error"]:

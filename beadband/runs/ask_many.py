@@ -83,7 +83,7 @@ def ask_many(
     model, runs, beads = np.full(size, "formula"), np.zeros(size, dtype=np.int64), np.zeros(size, dtype=np.int64)
     within = np.ones(size, dtype=bool)
     for chosen, scene, varied in alike(plain, flat, size):
-        if _by_formula(scene):
+        if by_formula(scene):
             found = formula(scene, quantity, varied)
             value[chosen], error[chosen] = found.value, found.error
     tolerance = _checked(TABLE["tolerance"], flat["tolerance"]) if "tolerance" in flat else scene.tolerance
@@ -136,14 +136,14 @@ def alike(
         for key in flat
         if key == STATED or (TABLE[key].section == "law" and TABLE[key].kind in ("number", "numbers"))
     ]
-    kinds = _kinds([one for key, one in flat.items() if key not in (*VARIED, *constants, "tolerance")], size)
+    kinds = kinds_among([one for key, one in flat.items() if key not in (*VARIED, *constants, "tolerance")], size)
     while kinds:
         chosen = kinds.pop(0)
         scene = scene_of({**plain, **{key: one[chosen[0]].item() for key, one in flat.items()}})
         ranges = {**TABLE, **{one.key: one for one in scene.material.constants()}}
         varied = {key: _checked(ranges[key], flat[key][chosen]) for key in (*VARIED, *constants) if key in flat}
         if not varies_together(scene, varied):
-            parts = _kinds([flat[key][chosen] for key in constants], len(chosen))
+            parts = kinds_among([flat[key][chosen] for key in constants], len(chosen))
             if len(parts) > 1:
                 kinds[:0] = [chosen[part] for part in parts]
                 continue
@@ -151,7 +151,7 @@ def alike(
         yield chosen, scene, varied
 
 
-def _kinds(others: Sequence[NDArray[Any]], size: int) -> list[NDArray[np.int64]]:
+def kinds_among(others: Sequence[NDArray[Any]], size: int) -> list[NDArray[np.int64]]:
     """Places of the scenes that share the values of ``others``, one array for each kind."""
     if not others:
         return [np.arange(size)]
@@ -213,11 +213,11 @@ def _base(rest: tuple[tuple[str, Any], ...], varied: tuple[tuple[str, Any], ...]
         if len(_bases) >= _MOST_BASES:
             _bases.clear()
         scene = scene_of(dict((*rest, *varied)))
-        _bases[key] = scene if _by_formula(scene) else None
+        _bases[key] = scene if by_formula(scene) else None
     return _bases[key]
 
 
-def _by_formula(scene: Scene) -> bool:
+def by_formula(scene: Scene) -> bool:
     """Whether scenes that differ from this one in sizes, strain and angle have answers by one evaluation."""
     question_of(scene, "speed")
     return shares_law(scene) and not (scene.errors or scene.covariance or scene.auto_tolerance or scene.tip_radius_m)

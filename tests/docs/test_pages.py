@@ -21,6 +21,7 @@ from beadband.model import laws  # noqa: F401  a law adds its constants to the t
 ELSEWHERE = {
     "python3 -m venv": "installs: the test command itself is what runs the tests, on a fresh environment",
     "mpirun": "two ranks: tests/runs/test_release.py",
+    "beadband sweep --executor": "needs an engine: tests/studies/test_engines.py",
     "python docs/ovito_render.py": "needs OVITO: test_docs.py",
 }
 """How commands begin that are not executed here, and why."""

@@ -72,11 +72,11 @@ def test_results_keep_the_published_schema(default_run: tuple[Run, Path]) -> Non
 def test_columns_of_a_sweep_come_from_the_table() -> None:
     found = rear_run.rear_run(plan_of(scene_of({}), "leg"))
     row = observables.row(found)
-    assert set(row) <= set(observables.columns())
+    assert set(row) <= {one.name for one in observables.columns()}
     assert row["rebound_speed_error_m_s"] == found.speed.error
     assert row["alpha_rest_error"] == found.alphas["rest"].error
     assert row["within_tolerance"] == "yes"
-    assert len(set(observables.columns())) == len(observables.columns())
+    assert len({one.name for one in observables.columns()}) == len(observables.columns())
 
 
 def test_a_result_of_ones_own_is_added_in_one_place(
@@ -88,7 +88,7 @@ def test_a_result_of_ones_own_is_added_in_one_place(
     assert main(["analyze", str(folder), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["rise"]["tip_way_m"] == pytest.approx(exact)
     assert dict(summary.result_rows(run.as_dict()))["way of the tip"] == f"{Measured(exact, 1e-5)} m"
-    assert {"rise_tip_way_m", "rise_tip_way_error_m"} <= set(observables.columns())
+    assert {"rise_tip_way_m", "rise_tip_way_error_m"} <= {one.name for one in observables.columns()}
     assert observables.row(run)["rise_tip_way_m"] == exact
     assert "| `rise.tip_way_m`, `rise.tip_way_error_m` | m | way of the tip" in observables.as_markdown()
     assert "tip_way_m" in observables.json_schema()["properties"]["rise"]["properties"]

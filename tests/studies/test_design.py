@@ -36,7 +36,7 @@ def test_samples_fill_the_box() -> None:
 @pytest.mark.parametrize("kind", ["latin-hypercube", "sobol"])
 def test_samples_of_a_sweep(kind: str) -> None:
     options = {"strain": "0.1:1.4", "law": "linear,mooney-rivlin", "half_angle": 12}
-    first, again, other = (grid_of(options, 50, seed, kind).scenes() for seed in (1, 1, 2))
+    first, again, other = (list(grid_of(options, 50, seed, kind).scenes()) for seed in (1, 1, 2))
     assert first == again != other
     strains = np.sort([values["strain"] for values in first])
     assert np.all(np.abs(strains - np.linspace(0.113, 1.387, 50)) < 0.06)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
 from multiprocessing import get_context
@@ -15,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from beadband.errors import BeadbandError, RunError, UsageError
-from beadband.studies.pool import Failed, Together, jobs_of, run_all, run_tasks
+from beadband.studies.pool import Failed, Together, jobs_of, run_all, run_numbered, run_tasks
 
 NUMBERS = list(range(10))
 
@@ -170,3 +171,73 @@ def inverses(numbers: list[int]) -> list[float | BeadbandError]:
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_tasks_that_are_done_together_have_the_same_outcomes(jobs: int) -> None:
     assert run_all(Together(inverses), NUMBERS, jobs=jobs, chunk=3) == EXPECTED
+
+
+def raises_twice(folder: Path, number: int) -> int:
+    """Two is raised over for ever, three twice."""
+    tries = len(list(folder.glob(f"{number}-*")))
+    if number == 2 or (number == 3 and tries < 2):
+        (folder / f"{number}-{tries}").touch()
+        raise ValueError("a fault")
+    return number
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_task_that_raises_is_done_again_at_most_twice_where_that_is_asked_for(tmp_path: Path, jobs: int) -> None:
+    found = run_all(partial(raises_twice, tmp_path), NUMBERS, jobs=jobs, chunk=4, forgiving=True)
+    assert found[2] == Failed("raised", "ValueError: a fault")
+    assert [number for number in found if not isinstance(number, Failed)] == [0, 1, *range(3, 10)]
+    assert len(list(tmp_path.glob("2-*"))) == 3
+
+
+def hangs(folder: Path, number: int) -> int:
+    """Two hangs for ever, five once."""
+    tries = len(list(folder.glob(f"{number}-*")))
+    if number == 2 or (number == 5 and tries == 0):
+        (folder / f"{number}-{tries}").touch()
+        time.sleep(1000.0)
+    return number
+
+
+def test_a_worker_that_hangs_is_replaced_and_its_tasks_are_done_again(tmp_path: Path) -> None:
+    found = run_all(partial(hangs, tmp_path), NUMBERS, jobs=2, chunk=2, patience_s=1.0)
+    assert isinstance(found[2], Failed)
+    assert found[2].code == "worker-hung"
+    assert [number for number in found if not isinstance(number, Failed)] == [0, 1, *range(3, 10)]
+    assert len(list(tmp_path.glob("2-*"))) <= 3
+
+
+class Engine(Executor):
+    """Threads that lose some calls, and say so in an error of their own."""
+
+    def __init__(self, lost: int) -> None:
+        self.threads, self.lost = ThreadPoolExecutor(2), lost
+
+    def submit(self, *arguments: object, **more: object) -> Future[object]:  # type: ignore[override]
+        if self.lost:
+            self.lost -= 1
+            gone: Future[object] = Future()
+            gone.set_exception(OSError("the node is gone"))
+            return gone
+        return self.threads.submit(*arguments, **more)  # type: ignore[arg-type]
+
+
+def test_what_an_engine_loses_is_done_again_and_an_engine_that_loses_all_is_an_error() -> None:
+    assert run_all(inverse, NUMBERS, executor=Engine(lost=7)) == EXPECTED
+    with pytest.raises(RunError, match="the node is gone"):
+        run_all(inverse, list(range(1000)), executor=Engine(lost=10_000))
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_tasks_are_taken_as_there_is_room_for_them(jobs: int) -> None:
+    taken = []
+
+    def tasks() -> Iterator[tuple[int, int]]:
+        for number in range(10_000):
+            taken.append(number)
+            yield number, number
+
+    for done, _ in enumerate(run_numbered(slow, tasks(), 10_000, jobs=jobs, chunk=5), 1):
+        assert len(taken) - done <= 5 * (2 * jobs + 1)
+        if done == 50:
+            break

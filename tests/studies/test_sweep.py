@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
@@ -23,17 +24,20 @@ import beadband
 from beadband.errors import UsageError
 from beadband.lammps.engine import Session, program
 from beadband.model.scene import scene_of
+from beadband.observables import forget, observable
 from beadband.planning.plan import plan_of
 from beadband.reporting import summary as printed
 from beadband.runs import results
 from beadband.runs.rear_run import follow_rear
+from beadband.studies.sweep import Swept, rungs, summary
 from beadband.studies.sweep.grid import grid_of, read_grid
-from beadband.studies.sweep.store import SUMMARY, TABLE, Store
-from beadband.studies.sweep.summary import slope_through_zero
+from beadband.studies.sweep.store import MANIFEST, SUMMARY, TABLE, Store
+from beadband.studies.sweep.summary import Line
 from conftest import REQUIRE_ALL
 
-OPTIONS = {"band": "I,IV", "strain": "0.4:1.6:3", "law": "mooney-rivlin,linear", "tolerance": 0.02}
-FLAGS = ["--band", "I,IV", "--strain", "0.4:1.6:3", "--law", "mooney-rivlin,linear", "--tolerance", "0.02"]
+OPTIONS = {"band": "I,IV", "strain": "0.4:1.6:3", "law": "mooney-rivlin,linear", "tolerance": 0.02, "by": "runs"}
+FLAGS = ["--band", "I,IV", "--strain", "0.4:1.6:3", "--law", "mooney-rivlin,linear"]
+FLAGS += ["--tolerance", "0.02", "--by", "runs"]
 
 
 def command(*words: str) -> list[str]:
@@ -57,7 +61,7 @@ def test_ranges_lists_and_single_values() -> None:
     assert values["half_angle_deg"] == (10.0, 20.5)
     assert values["beads"] == (100, 200, 300, 400)
     assert values["for"] == ("speed",)
-    assert len(grid) == len(grid.scenes()) == 14 * 2 * 2 * 4
+    assert len(grid) == len(list(grid.scenes())) == 14 * 2 * 2 * 4
 
 
 def test_whole_numbers_may_be_written_with_an_exponent() -> None:
@@ -68,7 +72,7 @@ def test_whole_numbers_may_be_written_with_an_exponent() -> None:
 
 def test_random_draws_are_in_range_and_repeat_with_their_seed() -> None:
     options = {"strain": "0.1:1.4", "law": "linear,mooney-rivlin"}
-    first, again, other = (grid_of(options, 50, seed).scenes() for seed in (1, 1, 2))
+    first, again, other = (list(grid_of(options, 50, seed).scenes()) for seed in (1, 1, 2))
     assert first == again != other
     strains = [values["strain"] for values in first]
     assert 0.1 <= min(strains) < 0.4 < 1.1 < max(strains) <= 1.4
@@ -150,7 +154,7 @@ def test_errors_above_the_tolerance_are_marked_and_counted(table: Path) -> None:
 
 def test_a_release_without_a_finite_speed_has_failed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(results, "joined_error_m_s", lambda *_: math.nan)
-    (row,) = beadband.sweep(strain=0.4, tolerance=0.02).rows
+    (row,) = beadband.sweep(strain=0.4, tolerance=0.02, by="runs").rows
     assert (row["status"], row["reason_code"]) == ("failed", "not-finite")
 
 
@@ -171,9 +175,9 @@ def test_speeds_are_the_strings_within_a_few_per_cent(table: Path) -> None:
 def test_two_jobs_give_the_same_bytes(table: Path, tmp_path: Path) -> None:
     subprocess.run(command("sweep", *FLAGS, "--jobs", "2", "--out", str(tmp_path / "two")), check=True)
     assert (tmp_path / "two" / TABLE).read_bytes() == (table / TABLE).read_bytes()
-    summary = json.loads((tmp_path / "two" / SUMMARY).read_text())
-    assert summary["status"] == {"done": 11, "refused": 1}
-    assert summary["run"]["jobs"] == 2
+    totals = json.loads((tmp_path / "two" / SUMMARY).read_text())
+    assert totals["status"] == {"done": 11, "refused": 1}
+    assert totals["run"]["jobs"] == 2
 
 
 def test_two_ranks_give_the_same_bytes(table: Path, tmp_path: Path) -> None:
@@ -230,7 +234,7 @@ def test_two_sweeps_do_not_share_a_folder(tmp_path: Path) -> None:
 
 
 def test_arrays_in_python() -> None:
-    done = beadband.sweep(strain=[0.3, 0.4, 0.5], tolerance=0.02)
+    done = beadband.sweep(strain=[0.3, 0.4, 0.5], tolerance=0.02, by="runs")
     speeds = done["rebound_speed_m_s"]
     assert speeds.shape == (3,)
     assert np.all(np.diff(speeds) > 0.0)
@@ -241,11 +245,127 @@ def test_arrays_in_python() -> None:
 
 def test_slope_through_zero_is_exact_for_a_line_and_covers_noise() -> None:
     x = np.linspace(0.1, 1.0, 40)
-    assert slope_through_zero(x, 1.3 * x).value == pytest.approx(1.3)
+    assert Line().add(x, 1.3 * x).slope.value == pytest.approx(1.3)
     rng = np.random.default_rng(3)
     inside = 0
     for _ in range(200):
-        fit = slope_through_zero(x, 1.3 * x + 0.1 * rng.standard_normal(40))
+        fit = Line().add(x, 1.3 * x + 0.1 * rng.standard_normal(40)).slope
         inside += abs(fit.value - 1.3) <= fit.error
     assert 180 <= inside <= 199
     assert math.isfinite(fit.error)
+
+
+CHEAP = {"band": "I,III", "strain": "0.2:1.0:5", "law": "mooney-rivlin,linear", "half_angle": "6,60", "tolerance": 0.02}
+
+
+@pytest.fixture(scope="module")
+def cheap() -> Swept:
+    return beadband.sweep(**CHEAP)
+
+
+def test_at_a_loose_tolerance_the_formula_answers_as_ask_does(cheap: Swept) -> None:
+    """One by one the law is unloaded by another algorithm: equal to rounding, not to the last digit."""
+    by_formula = [row for row in cheap if row["model"] == "formula"]
+    assert len(by_formula) > 15
+    for row in by_formula[::6]:
+        answer = beadband.ask(**{key: row[key] for key in ("band", "strain", "law", "tolerance", "half_angle_deg")})
+        assert row["rebound_speed_m_s"] == pytest.approx(answer.value, rel=1e-9)
+        assert row["rebound_speed_error_m_s"] == pytest.approx(answer.error, rel=1e-6)
+        assert row["within_tolerance"] == "yes"
+        assert row["beads"] is row["exponent"] is None
+
+
+def test_formula_and_runs_differ_by_less_than_their_errors_and_agree_on_all_else(cheap: Swept) -> None:
+    runs = beadband.sweep(**{**CHEAP, "half_angle": "6", "by": "runs"})
+    cheaply = {row["key"]: row for row in cheap}
+    for run in runs:
+        row = cheaply[run["key"]]
+        apart = abs(row["rebound_speed_m_s"] - run["rebound_speed_m_s"])
+        assert apart <= math.hypot(row["rebound_speed_error_m_s"], run["rebound_speed_error_m_s"])
+        for name in ("string_speed_m_s", "published_ratio"):
+            assert row[name] == pytest.approx(run[name], rel=1e-9)
+        for wave in ("bar", "rest", "front_horizontal"):
+            speed = run["rebound_speed_m_s"] / run[f"ratio_{wave}"]
+            assert row["rebound_speed_m_s"] / row[f"ratio_{wave}"] == pytest.approx(speed, rel=1e-9)
+            assert row[f"ratio_{wave}"] / row[f"alpha_{wave}"] == pytest.approx(row["published_ratio"], rel=1e-9)
+
+
+def test_scenes_beyond_the_formula_are_released_or_refused(cheap: Swept) -> None:
+    assert set(cheap.summary["status"]) == {"done", "refused"}
+    assert all("too wide" in row["reason"] for row in cheap if row["status"] == "refused")
+    assert all(row["model"] != "formula" for row in beadband.sweep(strain="0.3,0.4", loss_time=1e-5, tolerance=0.02))
+    assert all(row["model"] != "formula" for row in beadband.sweep(strain="0.3,0.4"))
+    with pytest.raises(UsageError, match="--by"):
+        beadband.sweep(strain=0.4, by="guess")
+
+
+def test_a_column_that_only_a_run_gives_makes_every_scene_run() -> None:
+    observable("late_tip_m", "where the tip is at last", unit="m")(lambda run: float(run.rear.tip_x_m[-1]))
+    try:
+        (row,) = beadband.sweep(strain=0.4, tolerance=0.02)
+    finally:
+        forget("late_tip_m")
+    assert row["model"] == "leg"
+    assert row["late_tip_m"] > 0.0
+
+
+def test_a_cut_table_of_formula_and_runs_ends_with_the_same_bytes(cheap: Swept, tmp_path: Path) -> None:
+    assert cheap.path is not None
+    whole = cheap.path.read_bytes()
+    (tmp_path / TABLE).write_bytes(whole[: int(0.7 * len(whole))])
+    beadband.sweep(out=tmp_path, **CHEAP)
+    assert (tmp_path / TABLE).read_bytes() == whole
+    described = json.loads((tmp_path / MANIFEST).read_text())
+    assert [one["name"] for one in described["columns"]] == whole.decode().splitlines()[0].split(",")
+    assert described["estimate"]["scenes"] == len(cheap)
+
+
+def test_the_totals_of_many_blocks_are_those_of_the_whole_table(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rungs, "BLOCK", 7)
+    found = beadband.sweep(strain="0.1:1.0:40", tolerance=0.02)
+    alpha = found["alpha_rest"]
+    said = found.summary["alpha"]["all"]["rest"]
+    assert said["mean"] == pytest.approx(float(alpha.mean()), rel=1e-12)
+    assert said["standard_deviation"] == pytest.approx(float(alpha.std(ddof=1)), rel=1e-9)
+    shares = found["rebound_speed_error_m_s"] / found["rebound_speed_m_s"]
+    assert found.summary["relative_error"]["median"] == float(np.median(shares))
+    assert np.all(np.diff(found["strain"]) > 0.0)
+
+
+def test_parquet_holds_the_same_table_with_types_and_units(tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="Parquet needs pyarrow")
+    done = beadband.sweep(out=tmp_path, parquet=True, **CHEAP)
+    read = parquet.read_table(tmp_path / "sweep.parquet")
+    assert read.to_pylist() == list(done.rows)
+    assert [str(field.type) for field in read.schema][:4] == ["string", "string", "double", "double"]
+    assert read.schema.field("rebound_speed_m_s").metadata[b"unit"] == b"m/s"
+
+
+def test_memory_does_not_grow_with_the_scenes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is kept of a scene is some bytes: a hundredth of what its row takes in memory."""
+    monkeypatch.setattr(rungs, "BLOCK", 256)
+    monkeypatch.setattr(summary, "SHOWN", 100)
+    beadband.sweep(strain="0.1:0.5:4", half_angle=[8, 9], tolerance=0.02)  # what is imported is not what is kept
+    tracemalloc.start()
+    try:
+        peaks = []
+        for count in (16, 80):
+            tracemalloc.reset_peak()
+            beadband.sweep(strain="0.1:1.0:64", half_angle=f"5:20:{count}", tolerance=0.02)
+            peaks.append(tracemalloc.get_traced_memory()[1])
+    finally:
+        tracemalloc.stop()
+    assert peaks[1] - peaks[0] < 60 * 64 * (80 - 16)
+
+
+def test_constants_of_the_law_may_vary_within_the_formula() -> None:
+    options = {"c10": "1.2e5:3e5", "c01": "1e5:2e5", "strain": "0.3:0.8", "tolerance": 0.02, "random": 300, "seed": 4}
+    drawn = beadband.sweep(**options)
+    assert drawn.summary["models"]["formula"] > 280
+    for row in [row for row in drawn if row["model"] == "formula"][::60]:
+        scene = scene_of({key: row[key] for key in ("c10_pa", "c01_pa", "strain", "tolerance")})
+        answer = beadband.ask(scene)
+        assert row["rebound_speed_m_s"] == pytest.approx(answer.value, rel=1e-9)
+        speeds = scene.wave_speeds(scene.string.front_speed_m_s)
+        assert row["ratio_rest"] == pytest.approx(answer.value / speeds["rest"], rel=1e-9)
+        assert row["ratio_front_horizontal"] == pytest.approx(answer.value / speeds["front_horizontal"], rel=1e-9)

@@ -6,7 +6,7 @@ import itertools
 import os
 import random
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,8 @@ from beadband.parameters import TABLE
 from beadband.studies.samples import check_sample
 
 MOST_SCENES = 10_000_000
+_PART = 4096
+"""Draws that are made together."""
 
 Values = dict[str, Any]
 
@@ -48,29 +50,48 @@ class Grid:
             total *= len(axis.values)
         return total if self.count is None else self.count
 
-    def scenes(self) -> list[Values]:
-        """Values of every scene; the last axis runs fastest."""
+    def scenes(self) -> Iterator[Values]:
+        """Values of every scene, one after another; the last axis runs fastest. Each call begins anew."""
         if self.count is None:
             keys = [axis.key for axis in self.axes]
-            return [
-                dict(zip(keys, point, strict=True)) for point in itertools.product(*(axis.values for axis in self.axes))
-            ]
+            for point in itertools.product(*(axis.values for axis in self.axes)):
+                yield dict(zip(keys, point, strict=True))
+            return
         if self.sample != "random":
-            return self._filling()
+            yield from self._filling()
+            return
         draws = random.Random(self.seed)
-        return [{axis.key: _draw(axis, draws) for axis in self.axes} for _ in range(self.count)]
+        for _ in range(self.count):
+            yield {axis.key: _draw(axis, draws) for axis in self.axes}
 
-    def _filling(self) -> list[Values]:
-        """Draws that fill the ranges evenly."""
+    def some(self, number: int) -> list[Values]:
+        """So many scenes that stand for all: spread evenly over the grid, or the first draws."""
+        if self.count is not None:
+            return list(itertools.islice(self.scenes(), number))
+        return (
+            [self._point(at * len(self) // number) for at in range(number)] if len(self) > number else [*self.scenes()]
+        )
+
+    def _point(self, place: int) -> Values:
+        """The scene at a place of the whole grid."""
+        found = []
+        for axis in reversed(self.axes):
+            place, at = divmod(place, len(axis.values))
+            found.append((axis.key, axis.values[at]))
+        return dict(reversed(found))
+
+    def _filling(self) -> Iterator[Values]:
+        """Draws that fill the ranges evenly; in memory there is a number a draw and option."""
         from beadband.studies.samples import unit_points
 
         open_axes = [axis for axis in self.axes if len(axis.values) > 1]
         points = unit_points(self.sample, self.count or 0, len(open_axes), self.seed)
-        columns = {axis.key: _placed(axis, points[:, at]) for at, axis in enumerate(open_axes)}
-        return [
-            {axis.key: columns[axis.key][row] if axis.key in columns else axis.values[0] for axis in self.axes}
-            for row in range(len(points))
-        ]
+        alone = {axis.key: axis.values[0] for axis in self.axes}
+        for first in range(0, len(points), _PART):
+            part = points[first : first + _PART]
+            columns = [_placed(axis, part[:, at]) for at, axis in enumerate(open_axes)]
+            for row in zip(*columns, strict=True) if columns else [()] * len(part):
+                yield {**alone, **{axis.key: value for axis, value in zip(open_axes, row, strict=True)}}
 
     def as_dict(self) -> dict[str, Any]:
         """The grid as JSON takes it."""

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from beadband.observables import WAVES
 from beadband.parameters import TABLE
 from beadband.studies.palette import PALETTE
-from beadband.studies.sweep.row import DONE, WAVES, Row
-from beadband.studies.sweep.store import number
-from beadband.studies.sweep.summary import alpha, slope_through_zero
+from beadband.studies.sweep.row import Row
+from beadband.studies.sweep.summary import Factor, Totals
 
 _WAVE_NAMES = {"bar": "C = sqrt(E/ρ)", "rest": "C = sqrt(E0/ρ)", "front_horizontal": "C of the front, horizontal"}
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -20,15 +20,19 @@ _MAP_AXES = ("strain", "half_angle_deg")
 _LABELS = {"strain": "strain", "half_angle_deg": "half-angle (degrees)"}
 
 
-def draw(rows: Sequence[Row], folder: Path) -> list[Path]:
-    """Write collapse.png, residuals.png and map.png (where the scenes span strain and half-angle); return the paths."""
-    done = [row for row in rows if row["status"] == DONE]
+def draw(totals: Totals, folder: Path) -> list[Path]:
+    """Write collapse.png, residuals.png and map.png (where the scenes span strain and half-angle); return the paths.
+
+    Slopes and means are those of all rows, the points those of :meth:`Totals.sample`.
+    """
+    done = totals.sample()
     if len(done) < 2:
         return []
     import matplotlib
 
     matplotlib.use("Agg")
-    written = [_collapse(done, folder / "collapse.png"), _residuals(done, folder / "residuals.png")]
+    factors = {wave: totals.factors[None, wave] for wave in WAVES}
+    written = [_collapse(done, factors, folder / "collapse.png"), _residuals(done, folder / "residuals.png")]
     picture = _maps(done, folder / "map.png")
     return [*written, picture] if picture else written
 
@@ -64,10 +68,10 @@ def _save(figure: Any, path: Path) -> Path:
 
 
 def _numbers(rows: Sequence[Row], column: str) -> Any:
-    return np.array([number(row, column) for row in rows])
+    return np.array([row[column] for row in rows], dtype=np.float64)
 
 
-def _collapse(rows: Sequence[Row], path: Path) -> Path:
+def _collapse(rows: Sequence[Row], factors: Mapping[str, Factor], path: Path) -> Path:
     """V/C against the published formula, for each of the three C."""
     from matplotlib import pyplot
 
@@ -85,9 +89,8 @@ def _collapse(rows: Sequence[Row], path: Path) -> Path:
                 label=name or "all",
                 **looks[name],
             )
-        x, y = _numbers(rows, "published_ratio"), _numbers(rows, f"ratio_{wave}")
-        fit, spread = slope_through_zero(x, y), alpha(rows, wave)
-        reach = np.array([0.0, 1.05 * x.max()])
+        fit, spread = factors[wave].line.slope, factors[wave].alpha.spread
+        reach = np.array([0.0, 1.05 * _numbers(rows, "published_ratio").max()])
         axes.plot(reach, reach, "--", color="#8a8a8a", linewidth=1.0, label="published formula")
         axes.plot(reach, fit.value * reach, color="#202020", linewidth=1.2, label=f"slope {fit.value:.3f}")
         assert spread is not None

@@ -6,35 +6,46 @@ import json
 import math
 import time
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from beadband import observables
 from beadband.errors import BeadbandError, RunError, explain
 from beadband.model.scene import scene_of
 from beadband.planning.plan import Plan, plan_of
+from beadband.runs.clock import peak_bytes
 from beadband.runs.rear_run import rear_runs
 from beadband.runs.results import RearRun
 from beadband.studies import pool
 from beadband.studies.sweep.grid import Values
 
-WAVES = tuple(observables.WAVES)
 DONE, REFUSED, FAILED = "done", "refused", "failed"
 
 Row = dict[str, Any]
-Released = tuple[Row, float, float]
+
+
+class Released(NamedTuple):
+    """A row, and its share of what it took."""
+
+    row: Row
+    seconds: float
+    lammps_s: float
+    peak_bytes: int
+    """Most memory that its process has taken so far."""
+
+
+_ENCODER = json.JSONEncoder(sort_keys=True)
 
 
 def key_of(values: Values) -> str:
     """The scene as text, which identifies it."""
-    return json.dumps(values, sort_keys=True)
+    return _ENCODER.encode(values)
 
 
 def releases(scenes: Sequence[Values]) -> list[Released | BeadbandError]:
     """Release scenes in this process, many at a time, each once more with half the beads.
 
-    Returns for each its row, its share of the seconds that this took, and of those inside LAMMPS. In the place of a row
-    stands a UsageError when the scene has no answer, and a RunError when the release failed (code "not-finite" without
-    a finite speed).
+    In the place of a row stands a UsageError when the scene has no answer, and a RunError when the release failed (code
+    "not-finite" without a finite speed).
     """
     start, session = time.perf_counter(), pool.session()
     before_s = session.runs_s
@@ -49,11 +60,12 @@ def releases(scenes: Sequence[Values]) -> list[Released | BeadbandError]:
     for values, plan in zip(scenes, plans, strict=True):
         done = next(found) if isinstance(plan, Plan) else plan
         try:
-            rows.append({"key": key_of(values), **values, **_results(done)} if isinstance(done, RearRun) else done)
+            rows.append({**values, **_results(done)} if isinstance(done, RearRun) else done)
         except BeadbandError as error:
             rows.append(error)
     each = (time.perf_counter() - start) / len(scenes), (session.runs_s - before_s) / len(scenes)
-    return [row if isinstance(row, BeadbandError) else (row, *each) for row in rows]
+    peak = peak_bytes()
+    return [row if isinstance(row, BeadbandError) else Released(row, *each, peak) for row in rows]
 
 
 RELEASE = pool.Together(releases)
@@ -63,7 +75,7 @@ RELEASE = pool.Together(releases)
 def without_result(values: Values, failed: pool.Failed) -> Row:
     """Row of a scene that has no answer, or whose release failed."""
     status = REFUSED if failed.refused else FAILED
-    return {"key": key_of(values), **values, "status": status, "reason": failed.reason, "reason_code": failed.code}
+    return {**values, "status": status, "reason": failed.reason, "reason_code": failed.code}
 
 
 def _results(found: RearRun) -> Row:
@@ -79,8 +91,3 @@ def _results(found: RearRun) -> Row:
             "not-finite",
         )
     return {**observables.row(found), "status": DONE, "reason": "", "reason_code": ""}
-
-
-def columns() -> tuple[str, ...]:
-    """Columns of a table behind those of its scenes."""
-    return (*observables.columns(), "status", "reason", "reason_code")
