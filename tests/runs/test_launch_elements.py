@@ -1,6 +1,6 @@
 """Launches by beads against finite elements on a rigid cylinder, which share nothing with them but the physics.
 
-A loss time of the band's own makes both solve one smooth problem. tests/validation/launches.py compares planned launches.
+A loss time of the band's own makes both solve one smooth problem. Planned launches: tests/validation/launches.py.
 """
 
 from __future__ import annotations
