@@ -237,6 +237,22 @@ def crossings(positions_m: Array) -> int:
     return int(np.count_nonzero((s >= 0.0) & (s <= 1.0) & (u >= 0.0) & (u <= 1.0)))
 
 
+def touching_m(positions_m: Array, distance_m: float, near: int) -> Array:
+    """Places (places, 2) where parts of a closed chain of beads (beads, 2) are closer than ``distance_m``.
+
+    Beads up to ``near`` apart along the chain are left out. A place is the middle between two beads, one in each
+    square of the distance.
+    """
+    from scipy.spatial import cKDTree
+
+    count = len(positions_m)
+    pairs = cKDTree(positions_m).query_pairs(distance_m, output_type="ndarray")
+    apart = pairs[:, 1] - pairs[:, 0]
+    pairs = pairs[np.minimum(apart, count - apart) > near]
+    middles: Array = 0.5 * (positions_m[pairs[:, 0]] + positions_m[pairs[:, 1]])
+    return middles[np.unique(np.floor(middles / distance_m), axis=0, return_index=True)[1]]
+
+
 def _cross(first: Array, second: Array) -> Array:
     product: Array = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
     return product

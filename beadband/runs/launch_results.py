@@ -15,10 +15,12 @@ from beadband.analysis.convergence import plain_error
 from beadband.analysis.energy import LaunchBalance
 from beadband.analysis.fits import Array, Measured
 from beadband.analysis.hand import HandMeasurement
-from beadband.analysis.readers import Watch
+from beadband.analysis.readers import Overlaps, Watch
 from beadband.notices import Notice, notice
 from beadband.planning.launch_plan import DEPTH_BOUND, LaunchPlan
+from beadband.planning.self_contact import OVERLAP_BOUND
 from beadband.runs.checks import Check, momentum_limit
+from beadband.runs.flight import Throw, throw_of
 from beadband.runs.hand import HandRun
 from beadband.runs.results import NoEstimate, Run, known_fields
 from beadband.statics.finger import Support
@@ -68,8 +70,10 @@ class Launch(Run):
     found: LaunchMeasurement
     clearance_m: Array
     """Shape (lines,): from the rear tip to the finger's surface, along the axis."""
-    crossed_s: float | None
-    """First frame in which the band crosses itself, which beads do and bands don't."""
+    crossings_s: Array
+    """Times of the frames in which the band crosses itself, which beads do and bands don't."""
+    overlaps: Overlaps | None
+    """Of parts of the band that touch each other; None without contact between them."""
     launch_estimate: LaunchEstimate | NoEstimate
     hand: HandRun | None = None
     """The finger that moves; None where it stays."""
@@ -89,6 +93,43 @@ class Launch(Run):
         """Largest distance of the rear tip from the axis of symmetry."""
         return self.rear.asymmetry_m
 
+    @property
+    def crossed_s(self) -> float | None:
+        """First frame in which the band crosses itself."""
+        return float(self.crossings_s[0]) if len(self.crossings_s) else None
+
+    @property
+    def self_touch_s(self) -> float | None:
+        """When the band first touches itself; None where it does not."""
+        first = None if self.overlaps is None else self.overlaps.first_step
+        return None if first is None else first * self.plan.timestep_s
+
+    @property
+    def overlap_m(self) -> Array | None:
+        """Largest overlap in each interval of ``watch``; None where the band does not touch itself."""
+        if self.overlaps is None or self.overlaps.first_step is None:
+            return None
+        return self.overlaps.at(self.watch.steps)[1]
+
+    @cached_property
+    def flight(self) -> Throw | None:
+        """The flight to the ground; None where none is asked for, or where the band is not thrown."""
+        return throw_of(self)
+
+    @property
+    def self_contact(self) -> dict[str, float] | None:
+        """The contact of the band with itself; None where its parts may pass through each other."""
+        touching, overlaps = self.launch_plan.self_contact, self.overlaps
+        if touching is None or overlaps is None:
+            return None
+        return {
+            "from_s": touching.from_steps * self.plan.timestep_s,
+            "distance_m": self.scene.band.thickness_m,
+            "stiffness_n_m": touching.stiffness_n_m,
+            "overlap_m": float(overlaps.overlap_m.max(initial=0.0)),
+            "energy_j": float(overlaps.energy_j.max(initial=0.0)),
+        }
+
     @cached_property
     def quiet_s(self) -> float:
         """Time before which no disturbance from the finger can reach the tip.
@@ -104,6 +145,10 @@ class Launch(Run):
         across = math.sqrt(max(float(np.max(strand.law.stress(stretches) / stretches)), 0.0) / band.density_kg_m3)
         echo = 2.0 * self.scene.wedge.reference_leg_m / max(sound, bending + across)
         return min(echo, self.plan.front_arrival_s)
+
+    @property
+    def _touch_j(self) -> Array | float:
+        return 0.0 if self.overlaps is None else self.overlaps.at(self.watch.steps)[0]
 
     @property
     def _mass_kg(self) -> float:
@@ -141,12 +186,16 @@ class Launch(Run):
             errors["escape_speed_m_s"] = values["escape_speed_m_s"] * errors["pause_s"] / pause
         return {name: Measured(value, errors[name]) if name in errors else value for name, value in values.items()}
 
+    @property
+    def _coarse_hand(self) -> tuple[int, HandMeasurement] | None:
+        other = self.launch_estimate
+        return (other.beads, other.hand) if isinstance(other, LaunchEstimate) and other.hand else None
+
     @cached_property
     def hand_figures(self) -> dict[str, Any] | None:
         """What the hand felt, by the names of results.json, with errors; None where the finger stays."""
-        other = self.launch_estimate
-        coarse = (other.beads, other.hand) if isinstance(other, LaunchEstimate) and other.hand else None
-        return None if self.hand is None else self.hand.figures(self.plan.beads, coarse, self.plan.speed_error)
+        hand = self.hand
+        return None if hand is None else hand.figures(self.plan.beads, self._coarse_hand, self.plan.speed_error)
 
     @property
     def shares(self) -> dict[str, float]:
@@ -171,7 +220,7 @@ class Launch(Run):
             "centre_x_m": self.support.centre_m,
             "stiffness_n_m": self.support.stiffness_n_m,
             "deepest_m": self.found.depth_m,
-            "contact_energy_j": float(self.watch.contact_j.max()),
+            "contact_energy_j": float((self.watch.contact_j - self._touch_j).max()),
         }
 
     @property
@@ -202,12 +251,17 @@ class Launch(Run):
         found = self.found
         depth = max(found.depth_m, 0.0) / self.scene.band.thickness_m
         apart = abs(found.impulse_n_s - found.momentum_n_s) / abs(found.momentum_n_s)
-        return {
+        checks = {
             **super().checks,
             "penetration": Check("too-deep", depth, DEPTH_BOUND),
             "momentum": Check("momentum-unbalanced", apart, momentum_limit(self.plan.steps)),
             **(self.hand.checks(float(self.watch.momentum_n_s[-1])) if self.hand else {}),
         }
+        if self.overlaps is not None:
+            overlap = float(self.overlaps.overlap_m.max(initial=0.0)) / self.scene.band.thickness_m
+            checks["self_overlap"] = Check("overlaps-itself", overlap, OVERLAP_BOUND)
+            checks["self_crossing"] = Check("crossed-itself", float(len(self.crossings_s)), 0.0)
+        return checks
 
     def remarks(self) -> tuple[Notice, ...]:
         found, plan = self.found, self.launch_plan
@@ -223,8 +277,12 @@ class Launch(Run):
             count, start, share = len(found.touches), found.touches[0].start_s, abs(pushed / found.momentum_n_s)
             way = "lost" if pushed < 0.0 else "gained"
             more.append(notice("touched-again", count=count, start_s=start, way=way, value=share))
-        more += self.hand.remarks() if self.hand else []
-        if self.crossed_s is not None:
+        more += self.hand.remarks(self._coarse_hand) if self.hand else []
+        if self.scene.elevation_deg is not None and found.free is None:
+            more.append(notice("no-flight"))
+        if self.self_touch_s is not None:
+            more.append(notice("touches-itself", value=self.self_touch_s))
+        if self.crossed_s is not None and self.overlaps is None:
             more.append(notice("crosses-itself", value=self.crossed_s))
         if self.aside_m > ASIDE_SHARE * self.scene.band.thickness_m:
             more.append(notice("buckled-aside", value=self.aside_m))
