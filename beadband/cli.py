@@ -182,6 +182,22 @@ def build_parser() -> argparse.ArgumentParser:
     sensitivity.add_argument(
         "--out", metavar="DIR", help="new or empty folder of table and picture (default: sensitivity)"
     )
+    design = command("design", "the best band for a goal, under conditions", scene=True)
+    _vary(design)
+    design.add_argument(
+        "--goal",
+        metavar="NAME",
+        required=True,
+        help="speed, curvature, or a closed form such as throw-speed, stored-energy or mass",
+    )
+    design.add_argument("--least", action="store_true", help="make the goal small instead of large")
+    design.add_argument(
+        "--keep",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="a condition: stored-energy=0.1, pull=:5 (at most), mass=1e-3: (at least) or LOW:HIGH; several times",
+    )
     launch_map = command("launch-map", "pause and efficiency of launches over strain and half-angle")
     launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")
     launch_map.add_argument("--jobs", metavar="N", type=int, help="processes (default: one per core)")

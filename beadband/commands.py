@@ -291,7 +291,7 @@ def sensitivity(arguments: Namespace) -> int:
 
     found = study.sensitivity(
         scene_values(arguments),
-        vary=ranges.vary_of(arguments.vary),
+        vary=ranges.named(arguments.vary, "--vary"),
         spanned=arguments.spans.split(",") if arguments.spans else (),
         quantity=arguments.quantity,
         points=study.POINTS if arguments.points is None else arguments.points,
@@ -302,6 +302,22 @@ def sensitivity(arguments: Namespace) -> int:
     design_report.draw_sensitivity(found, out)
     print(json.dumps(found.as_dict(), indent=1) if arguments.json else design_report.sensitivity(found))
     print(f"table and picture in {out}", file=sys.stderr)
+    return _noted(found.warnings)
+
+
+def design(arguments: Namespace) -> int:
+    """Find the best band for a goal."""
+    from beadband.reporting import design_report
+    from beadband.studies.design import optimum, ranges
+
+    found = optimum.design(
+        scene_values(arguments),
+        arguments.goal,
+        ranges.named(arguments.vary, "--vary"),
+        ranges.named(arguments.keep, "--keep"),
+        least=arguments.least,
+    )
+    print(json.dumps(found.as_dict(), indent=1) if arguments.json else design_report.design(found))
     return _noted(found.warnings)
 
 

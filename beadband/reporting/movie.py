@@ -144,10 +144,11 @@ def _film(story: Story, writer: Any, path: Path, coloured_by: str, progress: Cal
     closed = _joined(story)
     band = LineCollection([], linewidths=_points(figure, axes, story.thickness_m), capstyle="round", animated=True)
     axes.add_collection(band, autolim=False)
+    (rings,) = axes.plot([], [], "o", markersize=11, markerfacecolor="none", markeredgecolor=_SOFT, animated=True)
     title = figure.text(0.5, 0.955, "", ha="center", va="center", fontsize=13, color=_INK, animated=True)
     speeds = np.interp(story.times_s, story.tip_times_s, story.tip_speed_m_s)
     with writer.saving(figure, str(path), _DPI):
-        figure.hold_still([*finger, band, title])
+        figure.hold_still([*finger, band, rings, title])
         for frame, time in enumerate(story.times_s.tolist()):
             points = closed[frame]
             for artist in finger:
@@ -155,6 +156,8 @@ def _film(story: Story, writer: Any, path: Path, coloured_by: str, progress: Cal
             _move_finger(finger, story, frame)
             band.set_segments(list(np.stack([points[:-1], points[1:]], axis=1)))
             band.set_color(row(scale.place(values[frame, : len(points) - 1])))
+            if story.touches_m:
+                rings.set_data(*story.touches_m[frame].T)
             speed = f"V = {speeds[frame]:5.2f} m/s" if frame else "held"
             title.set_text(f"t = {time * 1e3:.2f} ms    {speed}")
             writer.grab_frame()

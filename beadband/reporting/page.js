@@ -162,6 +162,13 @@ function paint(canvas, width, height, density, t, ink) {
     context.stroke();
   }
 
+  // Where parts of the band touch each other.
+  context.strokeStyle = ink.soft; context.lineWidth = 1.5;
+  for (const [px, py] of story.touches_m[share < 0.5 ? low : high] ?? []) {
+    context.beginPath();
+    context.arc(left + zoom * (px - box.x0), top + zoom * (box.y0 + box.height - py), thick + 4, 0, 2 * Math.PI);
+    context.stroke();
+  }
   if (finger.hit_s !== null && t >= times[frames - 1]) {
     context.beginPath();
     context.arc(left + zoom * (fingerAt(t) - finger.radius_m - box.x0), top + zoom * (box.y0 + box.height), 3 * thick, 0, 2 * Math.PI);

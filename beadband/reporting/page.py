@@ -118,6 +118,7 @@ def as_dict(story: Story) -> dict[str, Any]:
             for scale, values in scales.values()
         ],
         "thickness_m": story.thickness_m,
+        "touches_m": [story.touches_m[frame].tolist() for frame in frames] if story.touches_m else [],
         "finger": _finger(story.finger, frames),
         "peg": _finger(story.peg, frames) if story.peg else None,
         "charts": [_chart(chart) for chart in story.charts],

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from beadband.analysis.contact import touching_m
 from beadband.analysis.curvature import bond_stretch, ring_curvature
 from beadband.analysis.energy import Balance
 from beadband.analysis.fits import Array, Measured
@@ -21,9 +22,13 @@ from beadband.errors import UsageError, explain
 from beadband.model.beam import at_rest_curvature, eq7_curvature
 from beadband.model.scales import SPEED_WINDOW
 from beadband.notices import percent
+from beadband.planning.self_contact import NEAR
 from beadband.runs import folder as files
 from beadband.runs.rear_run import reading_users_files
 from beadband.runs.strip_results import StripRun
+
+_TOUCHING = 1.05
+"""Distance over the thickness below which parts are drawn as touching: a frame is a mean over its interval."""
 
 Rows = tuple[tuple[str, str], ...]
 
@@ -109,6 +114,8 @@ class Story:
     notes: tuple[str, ...]
     open: bool = False
     """Whether the last bead is not joined to the first: a strip, straight, without a finger."""
+    touches_m: tuple[Array, ...] = ()
+    """Places (places, 2) of each frame where parts of the band touch each other; empty where none ever do."""
 
     @property
     def frames(self) -> int:
@@ -175,6 +182,7 @@ def tell(
     series = results["series"]
     radius = scene.get("tip_radius_m")
     free = launch.get("finger_free_s") if launch and scene.get("finger") == "clears" else None
+    touches = _touches(launch or {}, scene["thickness_m"], spacing, times_s, positions_m)
     return Story(
         name=name,
         title=", ".join(
@@ -209,8 +217,24 @@ def tell(
         notes=(
             "Every frame but the first is an average over the interval before it, drawn at its midpoint.",
             "The thickness of the band is to scale.",
+            *(["Rings mark where parts of the band touch each other."] if touches else []),
         ),
         open=strip is not None,
+        touches_m=touches,
+    )
+
+
+def _touches(
+    launch: Mapping[str, Any], thickness_m: float, spacing_m: float, times_s: Array, positions_m: Array
+) -> tuple[Array, ...]:
+    first = launch.get("self_touch_s")
+    if first is None:
+        return ()
+    near = math.ceil(NEAR * thickness_m / spacing_m)
+    none = np.empty((0, 2))
+    return tuple(
+        touching_m(frame, _TOUCHING * thickness_m, near) if time >= first else none
+        for time, frame in zip(times_s.tolist(), positions_m, strict=True)
     )
 
 
@@ -259,15 +283,16 @@ def _speed_chart(results: Mapping[str, Any]) -> Chart:
     times = _array(series["t_s"])
     window = np.array(SPEED_WINDOW) * results["front_arrival_s"]
     ends = times[[0, -1]]
+    end, limit = ("released end", "exact") if "strip" in results else ("rear tip", "string limit (EI → 0)")
     curves = [
-        Curve("rear tip", times, _array(series["tip_speed_m_s"])),
-        Curve("string limit (EI → 0)", ends, np.full(2, results["string_speed_m_s"]), "dashed"),
+        Curve(end, times, _array(series["tip_speed_m_s"])),
+        Curve(limit, ends, np.full(2, results["string_speed_m_s"]), "dashed"),
         Curve("V, slope of the path", window, np.full(2, speed), "bold"),
     ]
     moving = (results.get("launch") or {}).get("series") or {}
     if moving.get("centre_speed_m_s"):
         curves.insert(1, Curve("centre of mass", _array(moving["t_s"]), _array(moving["centre_speed_m_s"])))
-    return Chart("speed", "Speed of the rear tip", "m/s", tuple(curves))
+    return Chart("speed", f"Speed of the {end}", "m/s", tuple(curves))
 
 
 def _curvature_chart(results: Mapping[str, Any]) -> Chart:
@@ -350,6 +375,10 @@ def _launch_charts(launch: Mapping[str, Any]) -> list[Chart]:
         if series.get(key):
             curve = Curve(title.lower(), _array(series["t_s"]), factor * _array(series[key]))
             charts.append(Chart(key, title, unit, (curve,), pause, "pause: the finger is free" if pause else ""))
+    if launch.get("self_touch_s") is not None:
+        overlap = 100.0 * _array(series["overlap_m"]) / launch["self_contact"]["distance_m"]
+        curve = Curve("overlap", _array(series["t_s"]), overlap)
+        charts.append(Chart("overlap", "Overlap of parts of the band, at most", "% of its thickness", (curve,)))
     return charts
 
 

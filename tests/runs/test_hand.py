@@ -140,7 +140,7 @@ def test_a_prescribed_velocity_is_kept_and_its_work_counts() -> None:
     assert hand.checks(1.0) == {}
     balance = launch_balance(watch, plan.timestep_s, hand.energy_j)
     assert np.ptp(balance.hand_j) > 0.04 * balance.stored_j
-    assert balance.error < 2e-3
+    assert balance.error < 4e-3  # its sudden start makes the band bounce on it, a few steps long
 
 
 # Measuring.
