@@ -32,9 +32,9 @@ from beadband.statics.ring import Ring
 _FIGURES = ("hit_speed_m_s", "peak_force_n", "impulse_n_s", "displacement_m", "velocity_m_s")
 """Figures that have an error; the last two none where the velocity is prescribed."""
 
-_LEAST = dict(zip(_FIGURES, (0.003, 0.005, 0.001, 0.005, 0.005), strict=True))
+_LEAST = dict(zip(_FIGURES, (0.003, 0.005, 0.004, 0.005, 0.005), strict=True))
 """Relative errors that two launches can miss, for they may agree by chance: nose and contact ring. With planned beads
-the figures are off those of finite elements by up to 0.2, 0.9, 0.2 and 0.7 %, in the order above."""
+the figures are off those of finite elements by up to 0.2, 0.9, 0.7 and 1.7 %, in the order above."""
 
 
 @dataclass(frozen=True)
