@@ -67,9 +67,9 @@ def workers_of(engine: str, mark: str) -> list[int]:
     return found[1:] if engine == "mpi" else found
 
 
-def kill_all(process: subprocess.Popen[bytes], mark: str) -> None:
-    """End a sweep with all that it has started, at once."""
-    for one in (process.pid, *started_by(mark)):
+def kill_all(process: subprocess.Popen[bytes], mark: str, seen: set[int]) -> None:
+    """End a sweep with all that it has started, at once; ``seen`` are processes that were its own before."""
+    for one in (process.pid, *started_by(mark), *seen):
         try:
             os.kill(one, signal.SIGKILL)
         except ProcessLookupError:
@@ -100,8 +100,8 @@ def main() -> None:
 
         def begin(words: list[str], folder: str) -> subprocess.Popen[bytes]:
             return subprocess.Popen(
-                [*words, *FLAGS, "--out", folder], cwd=place, env={**os.environ, "PATH": path, MARK: f"{place} {folder}"},
-                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                [*words, *FLAGS, "--out", folder], cwd=place, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                env={**os.environ, "PATH": path, MARK: f"{place} {folder}"},
             )  # fmt: skip
 
         assert begin([*SWEEP, "--jobs", "1"], "whole").wait() == 0
@@ -117,8 +117,10 @@ def main() -> None:
                     time.sleep(0.002)
                 time.sleep(draws.uniform(0.0, 0.2))
                 workers = workers_of(engine, mark)
+                seen = set(started_by(mark))
                 if what == "the sweep" or not workers:
-                    kill_all(process, mark)
+                    what = "the sweep"
+                    kill_all(process, mark, seen)
                 else:
                     stop = signal.SIGKILL if what == "a worker" else signal.SIGSTOP
                     one = draws.choice(workers)
@@ -128,7 +130,7 @@ def main() -> None:
                     except subprocess.TimeoutExpired:
                         what += ", and it did not end"
                         bad += 1
-                    kill_all(process, mark)
+                    kill_all(process, mark, seen)
                 there = rows_in(folder)
                 alone = process.returncode == 0
                 finished += alone
@@ -137,7 +139,7 @@ def main() -> None:
                     bad += there != expected.count(b"\n") - 1
                 again = begin(ENGINES[engine], name)
                 again.wait()
-                kill_all(again, mark)
+                kill_all(again, mark, set())
                 same = (folder / "sweep.csv").read_bytes() == expected and (folder / "sweep.json").exists()
                 bad += not same
                 print(
