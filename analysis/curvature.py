@@ -28,9 +28,12 @@ def ring_curvature(positions_m: Array, spacing_m: float) -> Array:
     return np.asarray(np.sign(angles[0].sum()) * angles / spacing_m, dtype=np.float64)
 
 
-def bond_stretch(positions_m: Array, spacing_m: float) -> Array:
-    """Stretch of the bond from each bead to the next, shape (frames, beads), of positions (frames, beads, 2)."""
-    bonds = np.roll(positions_m, -1, axis=1) - positions_m
+def bond_stretch(positions_m: Array, spacing_m: float, closed: bool = True) -> Array:
+    """Stretch of the bond from each bead to the next, shape (frames, beads), of positions (frames, beads, 2).
+
+    An open chain has a bond less than beads.
+    """
+    bonds = np.roll(positions_m, -1, axis=1) - positions_m if closed else np.diff(positions_m, axis=1)
     return np.asarray(np.hypot(bonds[..., 0], bonds[..., 1]) / spacing_m, dtype=np.float64)
 
 

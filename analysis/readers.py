@@ -269,6 +269,32 @@ def read_hand(path: str | os.PathLike[str]) -> HandPath:
     return HandPath(steps.astype(np.int64), *(np.ascontiguousarray(column) for column in columns))
 
 
+@dataclass(frozen=True)
+class Pull:
+    """Lines of held.dat, arrays of shape (lines,), the first at the release; SI units."""
+
+    steps: NDArray[np.int64]
+    mean_force_n: Array
+    """Force of the strip on its held end along x, mean over the steps since the line before."""
+    force_n: Array
+    """The same at this step."""
+    momentum_n_s: Array
+
+    def times_s(self, timestep_s: float) -> Array:
+        """Time of each line."""
+        return np.asarray(self.steps * timestep_s, dtype=np.float64)
+
+    def require_steps(self, last: int) -> None:
+        """ReadError unless the lines go from step 0 to ``last``."""
+        _require_steps("file of the held end", self.steps, last)
+
+
+def read_pull(path: str | os.PathLike[str]) -> Pull:
+    """Read held.dat; ReadError when it is missing or cut short."""
+    steps, *columns = _columns(path, len(fields(Pull)), 2)
+    return Pull(steps.astype(np.int64), *(np.ascontiguousarray(column) for column in columns))
+
+
 def _columns(path: str | os.PathLike[str], width: int, fewest: int) -> Array:
     try:
         table = np.loadtxt(path, ndmin=2)

@@ -376,6 +376,8 @@ def pareto(arguments: Namespace) -> int:
 
 def _name(scene: Scene) -> str:
     name = "".join(sign if sign.isalnum() or sign in "._" else "-" for sign in scene.band.name)
+    if scene.is_strip:
+        return f"strip-{name}-{scene.strain:g}-{scene.law}"
     return f"{scene.until}-{name}-{scene.strain:g}-{scene.half_angle_deg:g}deg-{scene.law}"
 
 

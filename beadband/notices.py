@@ -86,6 +86,10 @@ SENTENCES: dict[str, str] = {
     "{value:.3g} beads in it for {limit:.2g} %",
     "tolerance-auto": "tolerance {value:.2g} %: a fifth of the error of V from the inputs, {limit:.2g} %; the "
     "usual 0.5 % would take {saved:.2g} times the beads for V",
+    "beads-for-strip": "{beads} bonds over {rear_mm:.3g} mm of strip: the recoil speed needs {value:.3g} for "
+    "{limit:.2g} %",
+    "strip": "the whole strip, straight: after the arrival of the front at the held end the strip would be compressed "
+    "and buckle, so the run ends there",
     "loss": "loss time {value:.3g} s: {limit} of the front's time from bead to bead, enough to give it a smooth "
     "profile of a few beads, and vanishing with the mesh",
     "loss-without-shock": "loss time {value:.3g} s: {limit:.2g} of the front's time from bead to bead; this law "
@@ -107,7 +111,7 @@ SENTENCES: dict[str, str] = {
     "whole-ring": "the whole ring, because the trajectory is written; the beads on the finger stay where they are and "
     "no contact is computed, since the disturbance arrives there with the front (V alone needs one leg up to "
     "{value:.2f})",
-    "frames": "{frames} frames of the ring, and {rear} of its rear, each an average over {value} steps, because "
+    "frames": "{frames} frames of the whole band, and {rear} of its rear, each an average over {value} steps, because "
     "bead-scale modes would alias",
     "samples": "{rear} frames of the rear, each an average over {value} steps, because bead-scale modes would alias",
     "launch-step": "step {step_s:.3g} s: {value:.2f} of the largest stable one for bonds as short as {limit:.2f} of "
@@ -205,8 +209,8 @@ SENTENCES: dict[str, str] = {
     "{limit:.2g}; raise --beads or leave it out",
     "too-deep": "beads sink into the finger by {value:2p} of the thickness, allowed {limit:2p}: lower --timestep for "
     "a stiffer finger",
-    "momentum-unbalanced": "momentum and impulse of the finger differ by {value:.2g} of the momentum, allowed "
-    "{limit:.2g}",
+    "momentum-unbalanced": "the momentum and the impulse of what holds the band differ by {value:.2g} of the "
+    "momentum, allowed {limit:.2g}",
     "hand-unbalanced": "momentum and impulses of the hand differ by {value:.2g} of the band's momentum, allowed "
     "{limit:.2g}",
     # Likely causes of a divergence

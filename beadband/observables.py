@@ -23,8 +23,15 @@ from typing import Any
 
 SCHEMA_VERSION = 2
 """Of results.json; 1 is the one without a ``schema_version``."""
-LEVELS = ("rear", "release", "launch")
-"""What was run: any release (also one leg), one of the whole ring, a launch; each has the results of those before."""
+LEVELS = {
+    "rear": ("rear",),
+    "release": ("rear", "release"),
+    "launch": ("rear", "release", "launch"),
+    "strip": ("rear", "release", "strip"),
+}
+"""What was run: any release (also one leg), one of the whole ring, a launch, a strip; and the results that each has."""
+_SECTIONS = ("launch", "strip")
+"""Levels whose results stand under a key of their own, which other runs lack."""
 WAVES = {"bar": "sqrt(E/rho)", "rest": "sqrt(E0/rho)", "front_horizontal": "of the front"}
 """Wave speeds C to which the rebound speed is compared."""
 _SCALARS = {"number": "number", "integer": "integer", "text": "string", "flag": "boolean", "object": "object"}
@@ -167,19 +174,28 @@ def _launch(key: str, sentence: str, unit: str, source: Source, kind: str = "num
     return Observable(f"launch.{key}", sentence, unit, source, kind, "launch", **more)
 
 
+def _strip(key: str, sentence: str, unit: str, source: Source = "", **more: Any) -> Observable:
+    """A value of a strip, or its course over time."""
+    return Observable(f"strip.{key}", sentence, unit, source or key, level="strip", **more)
+
+
 _V = "rebound speed V of the rear tip, with its whole error"
 _TIME: dict[str, Any] = {"scale": 1e3, "shown": "ms", "absent": "not reached"}
 _TABLE: list[Observable] = [
     Observable("schema_version", "version of this file's form", source=lambda _: SCHEMA_VERSION, kind="integer"),
     _object("scene", "the scene, under the names of scene.toml; label is what the band is called",
             lambda run: {**run.scene.as_dict(), "label": run.scene.label}),
-    Observable("leg_length_m", "reference length l0 of a leg", "m", "scene.wedge.reference_leg_m"),
-    Observable("finger_radius_m", "radius of the finger in the scene", "m", "scene.wedge.finger_radius_m"),
-    Observable("front_arrival_s", "arrival of the string limit's front at the finger", "s", "plan.front_arrival_s"),
+    Observable("leg_length_m", "reference length l0 of a leg, or of a strip", "m", "scene.wedge.reference_leg_m"),
+    Observable("finger_radius_m", "radius of the finger in the scene; null for a strip", "m",
+               lambda run: run.scene.wedge.finger_radius_m or None, null=True),
+    Observable("front_arrival_s", "arrival of the string limit's front at the finger, or at the held end of a strip",
+               "s", "plan.front_arrival_s"),
     Observable("bending_stiffness_n_m2", "bending stiffness EI", "N m2", "scene.bending_stiffness_n_m2"),
     Observable("mass_per_length_kg_m", "mass per reference length", "kg/m", "scene.band.mass_per_length_kg_m"),
-    _ring("held.finger_radius_m", "radius of the finger under the held beads", "m", "held_radius_m"),
-    _ring("held.finger_centre_m", "x of the finger's centre", "m"),
+    _ring("held.finger_radius_m", "radius of the finger under the held beads; null for a strip", "m", "held_radius_m",
+          null=True),
+    _ring("held.finger_centre_m", "x of the finger's centre; null for a strip", "m",
+          lambda run: getattr(run.held, "finger_centre_m", None), null=True),
     _ring("held.tension_n", "tension of a held leg", "N"),
     _ring("held.net_force", "largest net force on a free bead of the held ring, over the tension"),
     Observable("rebound_speed_m_s", _V, "m/s", "speed", error=True, column="rebound_speed_m_s",
@@ -285,13 +301,29 @@ _TABLE: list[Observable] = [
     _launch("series.hand_x_m", "place of the hand along the throw", "m", "hand.path.x_m", "series", optional=True),
     _launch("series.centre_x_m", "position of the centre of mass", "m", "watch.centre_x_m", "series"),
     _launch("series.centre_speed_m_s", "speed of the centre of mass", "m/s", "centre_speed_m_s", "series"),
+    _strip("front_speed_m_s", "speed of the front in reference length: of the stretch halfway through the foremost "
+           "part of the wave", "m/s", "front_speed", error=True, null=True, label="front speed"),
+    _strip("arrival_s", "when the path of that front reaches the held end", "s", "arrival", error=True, null=True,
+           label="front at the held end", **_TIME),
+    _strip("reason", "why there is no front", "", "strip.no_front", kind="text", optional=True),
+    _strip("exact.wave", "what the unloading wave is made of", "", "plan.string.wave.kind", kind="text", label="wave"),
+    _strip("exact.recoil_speed_m_s", "recoil speed of the exact solution", "m/s", "plan.string.rear_speed_m_s"),
+    _strip("exact.front_speed_m_s", "speed of that front in it", "m/s", "exact_front_speed_m_s"),
+    _strip("exact.arrival_s", "arrival of that front in it", "s", "exact_arrival_s"),
+    _strip("momentum_n_s", "momentum of the strip at the end", "N s", label="momentum at the end"),
+    _strip("impulse_n_s", "impulse of the held end until then", "N s"),
+    _strip("series.t_s", "times", "s", "strip.times_s", kind="series"),
+    _strip("series.pull_n", "pull of the held end, mean over each interval", "N", "strip.pull_n", kind="series"),
+    _strip("series.momentum_n_s", "momentum of the strip", "N s", "strip.momentum_n_s", kind="series"),
 ]  # fmt: skip
 
 
 def register(one: Observable) -> Observable:
     """Add a result to the table; ValueError for a key or column that it holds already, or for an unknown kind."""
     if one.kind not in _TYPES or one.level not in LEVELS:
-        raise ValueError(f"{one.key!r}: kind {one.kind!r} and level {one.level!r}; known: {sorted(_TYPES)}, {LEVELS}")
+        raise ValueError(
+            f"{one.key!r}: kind {one.kind!r} and level {one.level!r}; known: {sorted(_TYPES)}, {(*LEVELS,)}"
+        )
     if any(one.key == other.key or (one.column and one.column == other.column) for other in _TABLE):
         raise ValueError(f"there is a result {one.key!r} already")
     _TABLE.append(one)
@@ -319,9 +351,9 @@ def forget(key: str) -> None:
     _TABLE[:] = [one for one in _TABLE if one.key != key]
 
 
-def table(level: str = "launch") -> tuple[Observable, ...]:
-    """The observables of a result of this level."""
-    return tuple(one for one in _TABLE if LEVELS.index(one.level) <= LEVELS.index(level))
+def table(level: str | None = None) -> tuple[Observable, ...]:
+    """The observables of a result of this level, or all."""
+    return tuple(one for one in _TABLE if level is None or one.level in LEVELS[level])
 
 
 def as_dict(result: Any) -> dict[str, Any]:
@@ -400,8 +432,8 @@ Special = Mapping[str, Callable[[Mapping[str, Any]], "str | None"]]
 def rows(values: Mapping[str, Any], special: Special | None = None) -> list[tuple[str, str]]:
     """What results.json says, as names and texts with errors; a launch's own rows first."""
     found = []
-    for one in sorted((one for one in _TABLE if one.label), key=lambda one: one.level != "launch"):
-        if one.level == "launch" and "launch" not in values:
+    for one in sorted((one for one in _TABLE if one.label), key=lambda one: one.level not in _SECTIONS):
+        if one.level in _SECTIONS and one.level not in values:
             continue
         text = special[one.key](values) if special and one.key in special else text_of(values, one.key)
         if text is not None:
@@ -437,7 +469,7 @@ def json_schema() -> dict[str, Any]:
         *path, name = one.key.split(".")
         place = schema
         for step in path:
-            if one.level != "launch":
+            if one.level not in _SECTIONS:
                 _require(place, step)
             place = place.setdefault("properties", {}).setdefault(step, {"type": "object"})
         unit = f", {one.unit}" if one.unit else ""
@@ -447,7 +479,7 @@ def json_schema() -> dict[str, Any]:
         given[name] = {**kind, **null, "description": one.sentence + unit}
         if one.error:
             given[error_key(name)] = {"type": "number", "description": f"error of {name}{unit}"}
-        if not one.optional and (one.level != "launch" or path[:1] == ["launch"]):
+        if not one.optional and (one.level not in _SECTIONS or path[:1] == [one.level]):
             _require(place, name)
     return schema
 
@@ -465,7 +497,8 @@ Made by `make docs` from the table in `beadband/observables.py`. The same table 
 An observable of your own is one function: see [extending](extending.md).
 
 Keys of `results.json`; dots separate its levels. An error stands beside its value, under the same name
-with `error` before the unit. `launch` and `energy.contact_j` are present only with `--until launch`.
+with `error` before the unit. `launch` and `energy.contact_j` are present only with `--until launch`, `strip`
+only with `--shape strip`, whose rebound speed is the recoil speed of its released end.
 
 | key | unit | what it is | column of a sweep |
 |---|---|---|---|"""

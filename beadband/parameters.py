@@ -104,6 +104,9 @@ class Parameter:
         return self.above < value < self.below and self.least <= value <= self.most and math.isfinite(value)
 
 
+_RING: Mapping[str, str] = {"shape": "ring"}
+
+
 def _launch(**more: Any) -> Mapping[str, str]:
     return {"until": "launch", **more}
 
@@ -168,11 +171,14 @@ TABLE: dict[str, Parameter] = {
     for one in (
         Parameter("band", "name", "a band of the catalogue", default="III", metavar="NAME"),
         Parameter("band_file", "name", "a file of your own bands, one of which --band chooses", metavar="FILE.toml"),
+        Parameter("shape", "word", "a band around a finger, or a straight strip that is held at both ends and released "
+                  "at one", default="ring", words=("ring", "strip"), commands=_TOLERANT),
         Parameter("strain", "number", "uniform strain of the held band", "ε", default=0.476, above=0.0, below=10.0),
         Parameter("half_angle_deg", "number", "half-angle of the wedge", "φ", "deg", 14.0,
-                  above=0.0, below=90.0, metavar="DEG"),
+                  above=0.0, below=90.0, only=_RING, metavar="DEG"),
         Parameter("law", "word", "material law", default="mooney-rivlin", metavar="NAME"),
-        Parameter("until", "word", "end of the run", default="release", words=("release", "launch"), commands=_RUNS),
+        Parameter("until", "word", "end of the run", default="release", words=("release", "launch"), commands=_RUNS,
+                  only=_RING),
         Parameter("tolerance", "number", "wanted relative error of V; auto: a fifth of its error from the inputs",
                   default=0.005, above=0.0, below=0.5, commands=_TOLERANT),
         Parameter("inputs", "word", "errors of a catalogue band: those given, or also the rounding of its printed "
@@ -180,14 +186,14 @@ TABLE: dict[str, Parameter] = {
                   commands=("plan", "run", "ask", "sensitivity")),
         Parameter("samples", "count", "random draws of the inputs, in addition to derivatives, for large errors",
                   default=0, least=0, most=100_000, commands=("run",), metavar="N"),
-        Parameter("for", "word", "what the plan must get right", default="curvature", words=("curvature", "speed"),
-                  commands=_PLANNED),
+        Parameter("for", "word", "what the plan must get right; of a strip always the speed", default="curvature",
+                  words=("curvature", "speed"), commands=_PLANNED),
         Parameter("bending_modulus", "word", "modulus in EI: E of the table, or E0 at rest", default="table",
-                  words=("table", "rest")),
-        Parameter("bending_scale", "number", "factor on EI; 0 leaves bending out", default=1.0, least=0.0),
+                  words=("table", "rest"), only=_RING),
+        Parameter("bending_scale", "number", "factor on EI; 0 leaves bending out", default=1.0, least=0.0, only=_RING),
         Parameter("tip_radius_m", "number", "radius of the round peg that holds the tip, to the middle of the band; "
-                  "0 for a point", "r", "m", default=0.0, least=0.0, commands=_TOLERANT, only={"until": "release"},
-                  metavar="M"),
+                  "0 for a point", "r", "m", default=0.0, least=0.0, commands=_TOLERANT,
+                  only={"until": "release", **_RING}, metavar="M"),
         Parameter("finger", "word", "it stays, or is taken away once it carries no load", default="stays",
                   words=("stays", "clears"), commands=_RUNS, only=_launch()),
         Parameter("flight_s", "number", "time of flight after the rear has reached the place of the finger", unit="s",
@@ -197,8 +203,8 @@ TABLE: dict[str, Parameter] = {
         _hand("damping_n_s_m", "damper of that finger", "D", "N s/m", least=0.0),
         _hand("preload_n", "constant push of that finger (default: the band's pull at rest)", "F", "N"),
         _hand("velocity_m_s", "velocity of the finger along the throw, kept from the release on", "", "m/s"),
-        Parameter("circumference_m", "number", "circumference of the unstretched band", "Cb", "m", section="band",
-                  above=0.0, usual=(5e-3, 5.0), metavar="M"),
+        Parameter("circumference_m", "number", "circumference of the unstretched band, or length of a strip", "Cb", "m",
+                  section="band", above=0.0, usual=(5e-3, 5.0), metavar="M"),
         Parameter("section", "word", "cross section", section="band", default=None,
                   words=("rectangle", "circle", "square", "tube", "given")),
         Parameter("width_m", "number", "width of a rectangular section", "b", "m", section="band",
@@ -221,8 +227,8 @@ TABLE: dict[str, Parameter] = {
                   least=0.0, metavar="PA"),
         Parameter("softening_beta", "number", "the same as a share of the energy density at the held stretch", "β",
                   section="law", least=0.0),
-        Parameter("beads", "count", "beads of the whole ring", section="plan", least=FEWEST_BEADS, most=2_000_000,
-                  commands=_PLANNED, metavar="N"),
+        Parameter("beads", "count", "beads of the whole ring, or bonds of the strip", section="plan",
+                  least=FEWEST_BEADS, most=2_000_000, commands=_PLANNED, metavar="N"),
         Parameter("timestep_s", "number", "time step", "Δt", "s", section="plan", above=0.0, commands=_PLANNED,
                   metavar="S"),
         Parameter("loss_time_s", "number", "loss time of the material, instead of a numerical one", "τ", "s",

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from beadband.model.calibration import Strand
 from beadband.statics.leg import Leg
 from beadband.statics.ring import Ring
+from beadband.statics.strip import Strip
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -89,6 +90,23 @@ def ring_data(ring: Ring, strand: Strand, ahead_m: float = 0.0) -> str:
         4 * (strand.bead_mass_kg,),
         *closed_chain(ring.beads),
         box,
+    )
+
+
+def strip_data(strip: Strip, strand: Strand) -> str:
+    """The held strip, in a box that it can't leave before the front arrives; each end has half the mass of a bead."""
+    mass, length = strand.bead_mass_kg, float(strip.positions_m[-1, 0])
+    index = np.arange(strip.beads)
+    bonds = np.stack([index[:-1], index[1:]], axis=1)
+    half = 0.5 * strand.spacing_m
+    return data_file(
+        f"a held strip of {strip.beads} beads",
+        strip.positions_m,
+        strip.types,
+        (0.5 * mass, mass, mass, 0.5 * mass),
+        bonds,
+        np.zeros((0, 3), dtype=np.int64),
+        ((-0.5 * length, 1.5 * length), (-0.5 * length, 0.5 * length), (-half, half)),
     )
 
 

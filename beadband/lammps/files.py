@@ -22,6 +22,7 @@ PATH = "rear.dat"
 ENERGY = "energy.dat"
 FINGER = "finger.dat"
 HAND = "hand.dat"
+HELD = "held.dat"
 LOG = "log.lammps"
 
 

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from beadband.lammps.bond_table import TABLE_POINTS, bond_table, table_points
-from beadband.lammps.datafile import ring_data
+from beadband.lammps.datafile import ring_data, strip_data
 from beadband.lammps.files import DATA, LAUNCH_SCRIPT, SCRIPT, TABLE, write_text
 from beadband.model.angle_forms import FOURIER
 from beadband.model.calibration import Strand
 from beadband.planning.plan import Plan
 from beadband.statics.leg import TIP_WEIGHT, Leg
 from beadband.statics.ring import Ring
+from beadband.statics.strip import Strip
 
 if TYPE_CHECKING:
     from beadband.planning.launch_plan import LaunchPlan
@@ -46,10 +47,11 @@ _PLAIN = re.compile(r"[\w.+\-*/^(),;= ]*")
 """What a variable's text may hold: nothing that LAMMPS' parser would read as more than text."""
 
 
-def write_ring(folder: Path, plan: Plan, ring: Ring, pictures: bool = True) -> None:
+def write_ring(folder: Path, plan: Plan, ring: Ring | Strip, pictures: bool = True) -> None:
     """Write what LAMMPS needs: data file, bond table and script. Without ``pictures`` only the rear is written."""
     strand = plan.scene.strand(plan.beads)
-    write_text(folder / DATA, ring_data(ring, strand))
+    data = strip_data(ring, strand) if isinstance(ring, Strip) else ring_data(ring, strand)
+    write_text(folder / DATA, data)
     write_text(folder / TABLE, bond_table(strand, plan.scene.strain, table_points(strand.law, plan.scene.strain)))
     write_text(folder / SCRIPT, with_variables(SCRIPT, ring_variables(plan, ring, pictures)))
 
@@ -125,7 +127,7 @@ def frame_variables(frame_steps: int, pictures: bool) -> Variables:
     }
 
 
-def ring_variables(plan: Plan, ring: Ring, pictures: bool) -> Variables:
+def ring_variables(plan: Plan, ring: Ring | Strip, pictures: bool) -> Variables:
     """What release.in needs to know."""
     strand = plan.scene.strand(plan.beads)
     return {
@@ -141,6 +143,8 @@ def ring_variables(plan: Plan, ring: Ring, pictures: bool) -> Variables:
         "largest_timestep": plan.largest_timestep_s,
         "most_energy": MOST_ENERGY * (ring.stretching_j + ring.bending_j),
         "guard_steps": GUARD_STEPS,
+        "strip": int(isinstance(ring, Strip)),
+        "damped": "all" if isinstance(ring, Strip) else "released",
     }
 
 
@@ -223,12 +227,14 @@ def sample_every(steps: int, samples: int) -> int:
     return every
 
 
-def dashpot_cutoff_m(ring: Ring) -> float:
+def dashpot_cutoff_m(ring: Ring | Strip) -> float:
     """Cutoff of the dashpots: as wide as other beads allow, for their strength is 1 - (r/cutoff)^8.
 
     Bonded neighbours count; the second and third are left out by ``special_bonds``. The fourth along the strand and
     the beads across the finger are the closest others.
     """
+    if isinstance(ring, Strip):
+        return _fourth_m(ring.positions_m)
     return min(_fourth_m(ring.positions_m[: ring.beads // 2 + 1]), 0.95 * ring.finger_radius_m)
 
 

@@ -16,7 +16,7 @@ from beadband.model import correction
 from beadband.model.laws import Law
 from beadband.model.scales import FORGOTTEN_AFTER, WINDOW_BEFORE
 from beadband.model.scene import Scene
-from beadband.model.string_arrays import arrays_of, softens, string_limits
+from beadband.model.string_arrays import arrays_of, softens, string_limits, strip_speeds
 from beadband.model.validity import check_validity
 
 Array = NDArray[np.float64]
@@ -27,6 +27,8 @@ VARIED = ("strain", "half_angle_deg", "circumference_m", "thickness_m", "width_m
 
 STATED = "modulus_pa"
 """The stated E, which may be an array where EI is made of it."""
+_EXACT = 1e-9
+"""Relative error of an exact solution: of the search for its envelope, and of the integral over a fan."""
 
 
 class Formula(NamedTuple):
@@ -43,10 +45,13 @@ def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None
     Copies of a scene with a peg are asked for one by one.
 
     "speed" is V in m/s, "curvature" the mean tip curvature in its window over that of Eq. 7. Constants of the law and
-    the stated modulus may vary too, as far as :func:`varies_together` says. UsageError where one of the scenes has no
-    answer.
+    the stated modulus may vary too, as far as :func:`varies_together` says. A strip has no bending: its formula is
+    exact. UsageError where one of the scenes has no answer.
     """
     law, given = scenes_of(scene, varied or {})
+    if scene.is_strip:
+        exact = strip_speeds(law, given["density_kg_m3"], given["strain"])
+        return Formula(exact, (_EXACT if quantity == "speed" else math.inf) * exact)
     numbers, speed = _numbers(scene, law, given)
     shape = speed.shape
     found = (correction.speed_correction if quantity == "speed" else correction.curvature_correction)(numbers)
@@ -70,7 +75,7 @@ def varies_together(scene: Scene, varied: Mapping[str, Array]) -> bool:
     own = {STATED, *(one.key for one in scene.material.constants() if one.kind == "number")}
     if not constants:
         return True
-    if scene.bending_modulus != "table" or not shares_law(scene) or not own.issuperset(constants):
+    if scene.is_strip or scene.bending_modulus != "table" or not shares_law(scene) or not own.issuperset(constants):
         return False
     try:
         law, given = _law_of(scene, _broadcast(scene, varied))

@@ -65,7 +65,8 @@ class Scales:
     kink_way_m: float
     """Length that a kink has passed by then, half of the rear segment: l0 strain sin/(1 - sin) behind a sharp front."""
     rear_length_m: float
-    """Length of what the beads at the rear must resolve: the kink's way and five times the bending spread."""
+    """Length of what the beads at the rear must resolve: the kink's way and five times the bending spread; of a strip,
+    which has neither, all of it."""
     remembered_m: float
     """Reference length over which the held tip is bent: what lies on its peg, and the bending layer."""
     tip_sharpness: float
@@ -101,7 +102,7 @@ def scales_of(scene: Scene) -> Scales:
         front_arrival_s=arrival,
         bending_spread_m=spread,
         kink_way_m=kink_way,
-        rear_length_m=kink_way + BENDING_SPREAD * spread,
+        rear_length_m=wedge.reference_leg_m if scene.is_strip else kink_way + BENDING_SPREAD * spread,
         remembered_m=layer + wrapped,
         tip_sharpness=sharpness,
         rear_arrival_share=way / string.rear_speed_m_s / arrival,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -24,7 +24,7 @@ from beadband.model.calibration import Strand
 from beadband.model.hand import KEYS as HAND
 from beadband.model.hand import Hand, hand_of
 from beadband.model.laws import LAWS, Law, Linear, Softened, law_of
-from beadband.model.wedge import StringLimit, Wedge, published_ratio, string_limit, wave_speeds, wedge_of
+from beadband.model.wedge import StringLimit, Wedge, published_ratio, string_limit, strip_limit, wave_speeds, wedge_of
 from beadband.parameters import AUTO, PLANNED, TABLE, UNUSED, checked, uncertain
 
 if TYPE_CHECKING:
@@ -62,6 +62,8 @@ class Scene:
     hand_damping_n_s_m: float | None = None
     hand_preload_n: float | None = None
     hand_velocity_m_s: float | None = None
+    shape: str = "ring"
+    """"ring", or "strip": one straight leg as long as the band, of half-angle 0 and without bending."""
     beads: int | None = None
     timestep_s: float | None = None
     loss_time_s: float | None = None
@@ -84,8 +86,23 @@ class Scene:
     """Relative error of V from the inputs that a tolerance "auto" was made from."""
 
     def __repr__(self) -> str:
-        where = f"strain {self.strain:g}, half-angle {self.half_angle_deg:g} deg, {self.law}"
-        return f"<Scene: band {self.label}, {where}, until {self.until}>"
+        return f"<Scene: band {self.label}, {self.held()}, {self.law}, until {self.until}>"
+
+    def held(self, degrees: str = " deg") -> str:
+        """How it is held, in words."""
+        if self.is_strip:
+            return f"strip, strain {self.strain:g}"
+        return f"strain {self.strain:g}, half-angle {self.half_angle_deg:g}{degrees}"
+
+    @property
+    def is_strip(self) -> bool:
+        """Whether it is a straight strip, not a band around a finger."""
+        return self.shape == "strip"
+
+    @property
+    def legs(self) -> int:
+        """Legs along which a front runs."""
+        return 1 if self.is_strip else 2
 
     @property
     def law(self) -> str:
@@ -114,12 +131,17 @@ class Scene:
 
     @cached_property
     def wedge(self) -> Wedge:
-        """The string's wedge."""
+        """The string's wedge; a strip is one leg of it, without a finger."""
+        if self.is_strip:
+            length = self.band.circumference_m
+            return Wedge((1.0 + self.strain) * length, length, 0.0)
         return wedge_of(self.band.circumference_m, self.strain, self.half_angle_rad)
 
     @cached_property
     def string(self) -> StringLimit:
-        """The string limit, EI -> 0."""
+        """The string limit, EI -> 0; of a strip the exact solution."""
+        if self.is_strip:
+            return strip_limit(self.material, self.band.density_kg_m3, self.strain)
         return string_limit(self.material, self.band.density_kg_m3, self.strain, self.half_angle_rad)
 
     @cached_property
@@ -206,6 +228,7 @@ class Scene:
         """Every value by its key, as scene files and results have it; open choices are left out."""
         values: dict[str, Any] = {
             "band": self.band.name,
+            "shape": self.shape,
             "strain": self.strain,
             "half_angle_deg": self.half_angle_deg,
             "law": self.law,
@@ -223,7 +246,8 @@ class Scene:
             values.update({"finger": self.finger, "flight_s": self.flight_s})
             values.update({key: getattr(self, key) for key in HAND})
         values |= self.band.properties() | self.material.values()
-        return {key: value for key, value in values.items() if value is not None}
+        unused = _OF_A_RING if self.is_strip else ()
+        return {key: value for key, value in values.items() if value is not None and key not in unused}
 
 
 def _size(key: str, values: Mapping[str, Any]) -> str:
@@ -239,13 +263,15 @@ def _size(key: str, values: Mapping[str, Any]) -> str:
 
 
 _PLAIN = (
-    *("strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale", "tip_radius_m"),
+    *("shape", "strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale", "tip_radius_m"),
     *("finger", "flight_s"),
     *HAND,
 )
 """Parameters that are fields of a scene under the same name."""
 MOST_ON_PEG = 0.3
 """Share of the reference leg that may lie on a peg: beyond, its end feels the finger before the speed is measured."""
+_OF_A_RING = ("half_angle_deg", "bending_modulus", "bending_scale", "tip_radius_m", "for")
+"""What a strip has no use for: its half-angle and bending are 0."""
 _BESIDE = ("planned", "covariance")
 """Keys that no flag gives: they stand in files only."""
 KEYS = (*TABLE, *_BESIDE)
@@ -281,6 +307,8 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
     scene = Scene(band=band, material=material, planned=planned, purpose=full["for"], **rest)
     _refuse_unused(scene, given)
     hand_of(given)
+    if scene.is_strip:
+        scene = replace(scene, half_angle_deg=0.0, bending_scale=0.0, purpose="speed")
     _refuse_without_answer(scene)
     if scene.samples and not (errors or covariance or full["inputs"] == "as-printed"):
         allowed = "inputs with errors, as in --thickness '2.0e-3 +/- 5e-5', or --inputs as-printed"
@@ -430,7 +458,7 @@ def _planned(names: Any) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _refuse_unused(scene: Scene, given: Iterable[str]) -> None:
+def _refuse_unused(scene: Scene, given: Mapping[str, Any]) -> None:
     """Refuse what was given and needs another value beside it to be used."""
     if scene.bending_scale == 0.0 and scene.bending_modulus != TABLE["bending_modulus"].default:
         wrong, value = "--bending-modulus is not used without bending", f"{scene.bending_modulus} and --bending-scale 0"
@@ -444,10 +472,12 @@ def _refuse_unused(scene: Scene, given: Iterable[str]) -> None:
         wrong, allowed = "a tip held at a point has no radius to be uncertain", "a radius above 0 m with an error"
         value = f"--tip-radius 0 +/- {dict(scene.errors)['tip_radius_m']:g} m"
         raise UsageError(explain(wrong, value, allowed, "give the radius, or leave the error out"))
-    state = {"until": scene.until, "finger": scene.finger}
+    state = {"until": scene.until, "finger": scene.finger, "shape": scene.shape}
     for one in (TABLE[key] for key in given if key in TABLE):
         for other, needed in (one.only or {}).items():
-            if state[other] != needed and getattr(scene, one.key) != one.default:
+            # What says nothing may stand: the default, but for an angle, which a strip can't have.
+            silent = getattr(scene, one.key) == one.default and one.key != "half_angle_deg"
+            if state[other] != needed and not silent:
                 partners = " and ".join(f"{TABLE[key].flag} {value}" for key, value in (one.only or {}).items())
                 raise UsageError(
                     explain(
@@ -458,6 +488,13 @@ def _refuse_unused(scene: Scene, given: Iterable[str]) -> None:
                     ),
                     UNUSED,
                 )
+    if scene.is_strip and given.get("for") == "curvature":
+        wrong, allowed = "a strip has no tip curvature to be right", "--for speed, or --shape ring"
+        raise UsageError(explain(wrong, "--for curvature", allowed, "leave --for out"), UNUSED)
+    if scene.bending_scale == 0.0 and scene.bending_modulus != TABLE["bending_modulus"].default:
+        wrong, value = "--bending-modulus is not used without bending", f"{scene.bending_modulus} and --bending-scale 0"
+        allowed, advice = "--bending-modulus with --bending-scale above 0", "leave one of the two out"
+        raise UsageError(explain(wrong, f"--bending-modulus {value}", allowed, advice), UNUSED)
 
 
 def _refuse_without_answer(scene: Scene) -> None:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from beadband.model.laws import Law
 from beadband.model.laws.unloading import gauss_points
-from beadband.model.wedge import rear_speed_m_s, string_limit
+from beadband.model.wedge import rear_speed_m_s, string_limit, strip_limit
 
 Array = NDArray[np.float64]
 
@@ -99,6 +99,18 @@ def softens(law: Law, strain: Array) -> bool:
             return False
         before = tangent
     return True
+
+
+def strip_speeds(law: Law, density_kg_m3: Any, strain: Any) -> Array:
+    """Recoil speeds of strips of one law, m/s: :func:`beadband.model.wedge.strip_limit` for arrays that broadcast."""
+    density, strains = np.broadcast_arrays(*(np.asarray(one, dtype=np.float64) for one in (density_kg_m3, strain)))
+    held = 1.0 + strains.ravel()
+    turn = _turn(law, float(held.max(initial=1.0))) if held.size > 1 else None
+    if turn is None:
+        speed = np.array([strip_limit(law, 1.0, one).rear_speed_m_s for one in strains.ravel().tolist()])
+    else:
+        speed = _Waves(law, held, turn).unloaded_to(np.full_like(held, law.unstressed_stretch))[0]
+    return np.asarray(speed.reshape(strains.shape) / np.sqrt(density), dtype=np.float64)
 
 
 def _turn(law: Law, longest: float) -> float | None:

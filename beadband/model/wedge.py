@@ -97,6 +97,18 @@ def string_limit(law: Law, density_kg_m3: float, strain: float, half_angle_rad: 
     )
 
 
+def strip_limit(law: Law, density_kg_m3: float, strain: float) -> StringLimit:
+    """Exact release of one end of a straight strip: the wedge closed to a half-angle of 0.
+
+    The free end carries no tension, so the wave takes the stretch down to where the stress ends, and the end moves as
+    fast as the material behind the wave.
+    """
+    behind = law.unstressed_stretch
+    wave = law.unloading_wave(1.0 + strain, behind, density_kg_m3)
+    speed = wave.particle_speed_m_s
+    return StringLimit(behind - 1.0, 0.0, speed, speed, wave.front_speed_m_s, wave)
+
+
 def published_ratio(strain: Any, half_angle_rad: Any) -> Any:
     """V/C of the published formula, [strain/(1+strain)]/(1 - sin phi): the limit of no residual tension.
 

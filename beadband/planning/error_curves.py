@@ -32,13 +32,16 @@ _SHARE_OF_LEG = 0.7
 _RING_COARSENESS = 1.6
 _LAYER_WEIGHT = 10.0
 
+_SEVERAL_PARTS, _ONE_PART, _SECOND_ORDER = 0.22, 0.1, 2.45
+"""Of a strip: errors times bonds behind a wave of several parts and of one, and the root of those times bonds^2."""
+
 _FIT_ERROR = 0.012
 
 _STEP_S = 10e-6
 _BEAD_STEP_S = 0.17e-6
 _FRAME_NUMBER_S = 0.6e-6
 _COLUMNS = 11
-_SETUP_S = {"leg": 0.004, "ring": 0.05}
+_SETUP_S = {"leg": 0.004, "ring": 0.05, "strip": 0.05}
 """Seconds on one core of a machine of 2024: of a step, a bead and step, a number written, and of beginning."""
 
 
@@ -55,8 +58,23 @@ def leg_speed_error(beads_in_rear: float, beads_in_leg: float, coarseness: float
     return min(error, _FEW_ERROR * math.pow(max(1.0, LEAST_RESOLUTION / beads_in_rear), 2.0))
 
 
+def strip_speed_error(bonds: float, parts: int) -> float:
+    """The same of the recoil speed of a strip of so many bonds (tests/validation/strip.py).
+
+    Behind a wave of one part it is of the second order; the corners between shock and fan leave one of the first.
+    """
+    return _SEVERAL_PARTS / bonds if parts > 1 else min(_ONE_PART / bonds, (_SECOND_ORDER / bonds) ** 2)
+
+
+def front_error(bonds: float) -> float:
+    """The same of speed and arrival of the front of a strip, beside the difference to a coarse run."""
+    return 0.1 / bonds
+
+
 def speed_error(scene: Scene, spacing_m: float, model: str) -> float:
     """Relative error of the rebound speed that 95 % of the scenes stay below, for beads of this spacing."""
+    if model == "strip":
+        return strip_speed_error(scene.wedge.reference_leg_m / spacing_m, len(scene.string.wave.parts))
     return _speed_error(*_lengths_m(scene), spacing_m, model)
 
 
@@ -81,6 +99,9 @@ def _speed_error(rear_m: float, leg_m: float, sharp_m: float, spacing_m: float, 
 def beads_for(scene: Scene, model: str) -> float:
     """Beads of the whole ring for which :func:`speed_error` is the scene's tolerance (not rounded)."""
     length, tolerance = scene.band.circumference_m, scene.tolerance
+    if model == "strip":
+        parts, share = len(scene.string.wave.parts), SHARE_OF_TOLERANCE * tolerance
+        return _SEVERAL_PARTS / share if parts > 1 else min(_ONE_PART / share, _SECOND_ORDER / math.sqrt(share))
     rear, leg, sharp = _lengths_m(scene)
     least = LEAST_RESOLUTION * length / rear
 

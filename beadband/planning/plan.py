@@ -8,6 +8,7 @@ from functools import cached_property
 
 from beadband.errors import UsageError, explain
 from beadband.model.calibration import Strand
+from beadband.model.laws.unloading import SHARP_FRONT
 from beadband.model.peg import own_radius_m
 from beadband.model.scales import LONGEST_LAYER, SPEED_WINDOW, viscous_front_m
 from beadband.model.scene import Scene
@@ -20,6 +21,8 @@ from beadband.planning.sampling import leg_end_s, sample_leg, sample_ring
 
 MOST_PLANNED_BEADS = 6000
 FEWEST_LEG_BONDS = 8
+FEWEST_STRIP_BONDS = 240
+"""Bonds of a planned strip at least: they cost little, and its recoil speed is right to 0.1 % for nearly every law."""
 
 STEP_SHARE = 0.65
 """Share of the largest stable step that is used."""
@@ -44,7 +47,7 @@ class Plan:
     scene: Scene
     """The scene with beads, step and loss filled in."""
     model: str
-    """"ring" for the whole ring on its finger, "leg" for one leg of it."""
+    """"ring" for the whole ring on its finger, "leg" for one leg of it, "strip" for a strip."""
     beads: int
     """Of the whole ring, whatever part of it is computed."""
     leg_bonds: int
@@ -92,7 +95,7 @@ class Plan:
     @property
     def computed_beads(self) -> int:
         """Beads that are integrated."""
-        return self.beads if self.model == "ring" else self.leg_bonds + 2
+        return self.leg_bonds + 2 if self.model == "leg" else self.beads
 
     @property
     def bead_steps(self) -> int:
@@ -101,7 +104,7 @@ class Plan:
     @property
     def seconds(self) -> float:
         """Predicted wall time on one core, without the second run that judges the error."""
-        frames = self.frames if self.model == "ring" else 0
+        frames = 0 if self.model == "leg" else self.frames
         return error_curves.seconds(self.model, self.computed_beads, self.steps, frames)
 
     @property
@@ -114,7 +117,8 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     """Plan a release: choose what the scene leaves open; UsageError for a choice of the user's that can't work.
 
     ``model`` is "ring" where the whole trajectory is wanted, and "leg" for numbers alone: where one leg won't do the
-    ring is taken all the same. A launch is planned by :func:`beadband.planning.plan_scene`.
+    ring is taken all the same. A strip is always computed whole. A launch is planned by
+    :func:`beadband.planning.plan_scene`.
     """
     if scene.until == "launch":
         raise UsageError(explain("this plans releases only", "until launch", "until release", "use beadband.plan"))
@@ -125,11 +129,13 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     reasons: list[Notice] = []
     warnings: list[Notice] = []
     scales, length = scene.scales, scene.wedge.reference_leg_m
-    if scales.bending_layer_m > LONGEST_LAYER * length:
+    if scene.is_strip:
+        model = "strip"
+    elif scales.bending_layer_m > LONGEST_LAYER * length:
         model = "ring"
     beads = scene.beads or _choose_beads(scene, model, reasons, warnings)
     strand = scene.strand(beads)
-    if viscous_front_m(scene) > max(WIDEST_FRONT * length, 2.0 * strand.spacing_m):
+    if model == "leg" and viscous_front_m(scene) > max(WIDEST_FRONT * length, 2.0 * strand.spacing_m):
         model = "ring"
     loss_time, loss_beads = _choose_loss(scene, strand, reasons)
     compression = _compression(scene, loss_beads, warnings)
@@ -145,12 +151,12 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
         )
     arrival = scales.front_arrival_s
     target = scene.timestep_s or STEP_SHARE * largest
-    if model == "ring":
-        end = arrival
-        frames, rear_steps, steps = sample_ring(scene, end, target)
-    else:
+    if model == "leg":
         end = leg_end_s(scene)
         frames, rear_steps, steps = sample_leg(scene, end, target)
+    else:
+        end = arrival
+        frames, rear_steps, steps = sample_ring(scene, end, target)
     # The last step ends at the front's arrival unless the user fixed the step.
     timestep = scene.timestep_s or end / steps
     if steps * timestep < SPEED_WINDOW[1] * arrival:
@@ -168,16 +174,19 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
         reasons.append(
             notice("step", step_s=timestep, value=timestep / largest, steps=steps, end=end / arrival, end_s=end)
         )
-    reasons.append(_bending_reason(scene))
+    if model != "strip":
+        reasons.append(_bending_reason(scene))
     if scene.tip_radius_m:
         reasons.append(_peg_reason(scene))
     reasons += law_reasons(scene)
     reasons.append(
-        notice("one-leg", bonds=leg_bonds, beads=beads, value=share)
-        if model == "leg"
-        else notice("whole-ring", value=share)
+        {
+            "leg": notice("one-leg", bonds=leg_bonds, beads=beads, value=share),
+            "ring": notice("whole-ring", value=share),
+            "strip": notice("strip"),
+        }[model]
     )
-    if model == "ring":
+    if model != "leg":
         reasons.append(notice("frames", frames=frames, rear=steps // rear_steps, value=rear_steps))
         if scene.frames not in (None, frames):
             warnings.append(notice("frames-adjusted", value=frames, limit=scene.frames, steps=steps))
@@ -232,7 +241,8 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
     """Beads that the speed needs, and those that the curvature needs where it is asked for."""
     length, rear = scene.band.circumference_m, scene.scales.rear_length_m
     needed = error_curves.beads_for(scene, model)
-    wanted = max(needed, FEWEST_LEG_BONDS * length / scene.wedge.reference_leg_m, FEWEST_BEADS)
+    fewest = FEWEST_STRIP_BONDS if model == "strip" else FEWEST_LEG_BONDS * length / scene.wedge.reference_leg_m
+    wanted = max(needed, fewest, FEWEST_BEADS)
     layer = scene.scales.bending_layer_m
     if scene.purpose == "curvature" and layer > 0.0:
         spacing = error_curves.curvature_spacing_m(scene)
@@ -259,15 +269,9 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
             notice("speed-needs-more-beads", value=wanted, tolerance=100.0 * scene.tolerance, limit=MOST_PLANNED_BEADS)
         )
     beads = _round_up(min(wanted, MOST_PLANNED_BEADS))
-    reasons.append(
-        notice(
-            "beads-for-speed",
-            beads=beads,
-            rear_mm=rear * 1e3,
-            value=needed * rear / length,
-            limit=100.0 * scene.tolerance,
-        )
-    )
+    code = "beads-for-strip" if model == "strip" else "beads-for-speed"
+    value, limit = needed * rear / length, 100.0 * scene.tolerance
+    reasons.append(notice(code, beads=beads, rear_mm=rear * 1e3, value=value, limit=limit))
     return beads
 
 
@@ -287,7 +291,9 @@ def _choose_loss(scene: Scene, strand: Strand, reasons: list[Notice]) -> tuple[f
     if scene.loss_time_s is not None:
         return scene.loss_time_s, scene.loss_time_s / front_loss_s
     resolution = scene.scales.rear_length_m / strand.spacing_m
-    if scene.string.wave.shocks or resolution <= SMOOTH_RESOLUTION:
+    # Without a kink the loss does nothing to a sharp front but make it smooth, so that its middle can be told.
+    sharp = scene.is_strip and scene.string.wave.kind == SHARP_FRONT
+    if scene.string.wave.shocks or sharp or resolution <= SMOOTH_RESOLUTION:
         reasons.append(notice("loss", value=LOSS_BEADS * front_loss_s, limit=LOSS_BEADS))
         return LOSS_BEADS * front_loss_s, LOSS_BEADS
     loss_beads = LOSS_BEADS * SMOOTH_RESOLUTION / resolution

@@ -136,6 +136,7 @@ def draw(found: Comparison, folder: str | os.PathLike[str], style: Style = SCREE
             "curvature": (_curvature, "curvature (1/m)", "curvature at the rear tip"),
             "kinetic": (_kinetic, "share of the stored energy", "kinetic energy"),
         }.items()
+        if not (name == "curvature" and any(run.scene.is_strip for run in found.runs))
     }
     return draw_panels(panels, "", folder, style, "comparison")
 

@@ -68,6 +68,8 @@ def film(
         )
     if coloured_by not in colour.NAMES:
         raise UsageError(explain("unknown colour", repr(coloured_by), ", ".join(colour.NAMES), "change --colour"))
+    if story.open and coloured_by == "curvature":
+        raise UsageError(explain("a strip has no curvature", coloured_by, "stretch", "change --colour"))
     writer = _writer(path.suffix.lower(), fps)
     partial = path.with_name(f".{path.stem}.partial{path.suffix}")
     try:
@@ -138,7 +140,7 @@ def _film(story: Story, writer: Any, path: Path, coloured_by: str, progress: Cal
     axes = _axes(figure, story)
     _draw_still(figure, axes, story, scale, row)
     finger = _draw_finger(axes, story)
-    closed = np.concatenate([story.positions_m, story.positions_m[:, :1]], axis=1)
+    closed = _joined(story)
     band = LineCollection([], linewidths=_points(figure, axes, story.thickness_m), capstyle="round", animated=True)
     axes.add_collection(band, autolim=False)
     title = figure.text(0.5, 0.955, "", ha="center", va="center", fontsize=13, color=_INK, animated=True)
@@ -150,12 +152,17 @@ def _film(story: Story, writer: Any, path: Path, coloured_by: str, progress: Cal
             for artist in finger:
                 artist.set_visible(story.finger.until_s is None or time < story.finger.until_s)
             band.set_segments(list(np.stack([points[:-1], points[1:]], axis=1)))
-            band.set_color(row(scale.place(values[frame])))
+            band.set_color(row(scale.place(values[frame, : len(points) - 1])))
             speed = f"V = {speeds[frame]:5.2f} m/s" if frame else "held"
             title.set_text(f"t = {time * 1e3:.2f} ms    {speed}")
             writer.grab_frame()
             if progress:
                 progress(frame + 1, story.frames)
+
+
+def _joined(story: Story) -> Array:
+    """Positions, shape (frames, bonds + 1, 2): those of a closed band with the first bead once more."""
+    return story.positions_m if story.open else np.concatenate([story.positions_m, story.positions_m[:, :1]], axis=1)
 
 
 def _colours(story: Story, coloured_by: str) -> tuple[colour.Scale, Array]:
@@ -177,7 +184,9 @@ def _box(story: Story) -> tuple[Array, Array]:
     edge, radius = 1.5 * story.thickness_m, story.finger.radius_m
     low = np.minimum(story.positions_m.min(axis=(0, 1)), [story.finger.centre_m - radius, -radius])
     high = np.maximum(story.positions_m.max(axis=(0, 1)), [story.finger.centre_m + radius, radius])
-    return low - edge, high + edge
+    # A strip is flat: room for the bar below it.
+    beside = np.array([0.0, 0.06 * float(high[0] - low[0]) if story.open else 0.0])
+    return low - edge - beside, high + edge + beside
 
 
 def _figure(story: Story) -> Any:
@@ -234,6 +243,8 @@ def _draw_finger(axes: Any, story: Story) -> list[Any]:
     """The finger up to the inner face of the band, with its name: moving parts, for it may be withdrawn."""
     from matplotlib.patches import Circle
 
+    if story.open:
+        return []
     centre, inner = (story.finger.centre_m, 0.0), story.finger.radius_m - 0.5 * story.thickness_m
     circle = axes.add_patch(Circle(centre, inner, facecolor=_FINGER, edgecolor=_EDGE, animated=True))
     name = axes.text(*centre, "finger", ha="center", va="center", color=_SOFT, fontsize=10, animated=True)
@@ -242,13 +253,12 @@ def _draw_finger(axes: Any, story: Story) -> list[Any]:
 
 def _draw_still(figure: Any, axes: Any, story: Story, scale: colour.Scale, row: Any) -> None:
     """The held shape and its peg, a bar to measure with, the row of colours, and what the scene is."""
-    held = story.positions_m[0]
     if story.peg:
         from matplotlib.patches import Circle
 
         inner = max(story.peg.radius_m - 0.5 * story.thickness_m, 0.0)
         axes.add_patch(Circle((story.peg.centre_m, 0.0), inner, fill=False, edgecolor=_EDGE, linewidth=0.8))
-    axes.plot(*np.concatenate([held, held[:1]]).T, color=_GHOST, linewidth=0.8, linestyle=(0, (4, 4)))
+    axes.plot(*_joined(story)[0].T, color=_GHOST, linewidth=0.8, linestyle=(0, (4, 4)))
     low, high = _box(story)
     power = 10.0 ** np.floor(np.log10((high - low)[0] / 5.0))
     bar = max(m * power for m in (1.0, 2.0, 5.0) if m * power <= (high - low)[0] / 5.0)

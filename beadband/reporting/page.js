@@ -109,7 +109,7 @@ const paperInk = {finger: "#e6dfd4", edge: "#b9ad9a", ghost: "#b5b0a8", soft: "#
 function outline(context, frame, toX, toY) {
   context.beginPath();
   for (let i = 0, k = 2 * frame * beads; i < beads; i++, k += 2) context.lineTo(toX(place[k]), toY(place[k + 1]));
-  context.closePath();
+  if (!story.open) context.closePath();
 }
 function paint(canvas, width, height, density, t, ink) {
   canvas.width = Math.round(width * density);
@@ -121,7 +121,7 @@ function paint(canvas, width, height, density, t, ink) {
   const toX = (q) => left + zoom * (lowX + q * stepM - box.x0);
   const toY = (q) => top + zoom * (box.y0 + box.height - lowY - q * stepM);
   const thick = Math.max(zoom * story.thickness_m, 2);
-  if (finger.until_s === null || t < finger.until_s) {
+  if (!story.open && (finger.until_s === null || t < finger.until_s)) {
     context.beginPath();
     const radius = Math.max(zoom * finger.radius_m - thick / 2, 1);
     context.arc(left + zoom * (finger.centre_m - box.x0), top + zoom * (box.y0 + box.height), radius, 0, 2 * Math.PI);
@@ -146,11 +146,12 @@ function paint(canvas, width, height, density, t, ink) {
   const y = (i) => toY(place[2 * (a + i) + 1] + share * (place[2 * (b + i) + 1] - place[2 * (a + i) + 1]));
   const colour = (i) => Math.round(scale.shades[a + i] + share * (scale.shades[b + i] - scale.shades[a + i]));
   context.lineWidth = thick; context.lineCap = "round"; context.lineJoin = "round";
-  for (let i = 0; i < beads;) {
+  const bonds = story.open ? beads - 1 : beads;
+  for (let i = 0; i < bonds;) {
     const here = colour(i);
     context.beginPath();
     context.moveTo(x(i), y(i));
-    do { i++; context.lineTo(x(i % beads), y(i % beads)); } while (i < beads && colour(i) === here);
+    do { i++; context.lineTo(x(i % beads), y(i % beads)); } while (i < bonds && colour(i) === here);
     context.strokeStyle = scale.row[here];
     context.stroke();
   }
@@ -165,10 +166,12 @@ function paint(canvas, width, height, density, t, ink) {
   context.font = "12px system-ui, sans-serif"; context.textAlign = "left";
   context.fillText(`${short(1e3 * bar)} mm`, ends[0], height - 19);
 }
+// Room for the bar below a strip, which is flat.
+const heightFor = (width) => Math.max(width * (box.height / box.width) + 24, 72);
 function paintStage() {
   const canvas = at("stage"), width = canvas.parentElement.clientWidth - 26;
   if (width <= 0) return;
-  const height = Math.round(Math.min(width * (box.height / box.width) + 24, 0.62 * Math.max(innerHeight, 420)));
+  const height = Math.round(Math.min(heightFor(width), 0.62 * Math.max(innerHeight, 420)));
   canvas.height = height;
   paint(canvas, width, height, window.devicePixelRatio || 1, clock.t, screenInk());
 }
@@ -394,7 +397,7 @@ listeners.push((t) => {
   at("time").textContent = text;
   paintStage();
 });
-at("stage").setAttribute("aria-label", `The band around the finger, coloured by stretch or curvature, moving with the clock. ${story.headline}`);
+at("stage").setAttribute("aria-label", `The band${story.open ? "" : " around the finger"}, coloured by stretch${story.open ? "" : " or curvature"}, moving with the clock. ${story.headline}`);
 
 // ---- six pictures for paper
 const prints = [0, 0.1, 0.25, 0.5, 0.75, 1].map((share) => {
@@ -403,7 +406,7 @@ const prints = [0, 0.1, 0.25, 0.5, 0.75, 1].map((share) => {
   return [canvas, t];
 });
 function paintPrints() {
-  for (const [canvas, t] of prints) paint(canvas, 420, (420 * box.height) / box.width + 24, 2, t, paperInk);
+  for (const [canvas, t] of prints) paint(canvas, 420, heightFor(420), 2, t, paperInk);
 }
 
 // All are on the page before the first is laid out: the width of one depends on the others.

@@ -92,16 +92,17 @@ def as_dict(story: Story) -> dict[str, Any]:
         notes.append(f"One bead in {every} is drawn.")
     if len(frames) < story.frames:
         notes.append(f"{len(frames)} of {story.frames} frames are kept.")
-    scales = {
-        "stretch": (colour.stretch_scale(story.stretch), story.stretch),
-        "curvature": (colour.curvature_scale(story.curvature_1_m, story.finger.radius_m), story.curvature_1_m),
-    }
+    scales = {"stretch": (colour.stretch_scale(story.stretch), story.stretch)}
+    if not story.open:
+        bent = story.curvature_1_m
+        scales["curvature"] = (colour.curvature_scale(bent, story.finger.radius_m), bent)
     return {
         "name": story.name,
         "title": story.title,
         "headline": story.headline,
         "times_s": _digits(story.times_s[frames]),
         "beads": len(beads),
+        "open": story.open,
         "positions": {"low_m": low.tolist(), "step_m": step, "data": _packed(position)},
         "colours": [
             {

@@ -14,6 +14,7 @@ from beadband.model.beam import at_rest_curvature, eq7_curvature
 from beadband.model.scales import SPEED_WINDOW
 from beadband.reporting.style import SCREEN, Style
 from beadband.reporting.summary import title_of
+from beadband.statics.ring import Ring
 
 if TYPE_CHECKING:
     from beadband.runs.results import Run
@@ -68,11 +69,12 @@ def shapes(axes: Any, run: Run, ring: Trajectory) -> None:
     from matplotlib import colormaps
     from matplotlib.patches import Circle
 
+    assert isinstance(run.held, Ring)
     times = ring.times_s(run.plan.timestep_s)
     chosen = np.unique(np.linspace(0, len(times) - 1, _SNAPSHOTS).round().astype(int))
     shades = colormaps["viridis_r"](np.linspace(0.15, 1.0, len(chosen)))
     centre = (run.held.finger_centre_m * 1e3, 0.0)
-    axes.add_patch(Circle(centre, run.held_radius_m * 1e3, color="#e4e0da", label="finger"))
+    axes.add_patch(Circle(centre, (run.held_radius_m or 0.0) * 1e3, color="#e4e0da", label="finger"))
     if peg := run.scene.tip_radius_m * 1e3:
         axes.add_patch(Circle((peg, 0.0), peg, fill=False, color="#a09a90", linestyle="--", label="peg"))
     for frame, shade in zip(chosen, shades, strict=True):
@@ -84,16 +86,16 @@ def shapes(axes: Any, run: Run, ring: Trajectory) -> None:
     axes.legend(fontsize=7, ncols=2, loc="upper left", frameon=False)
 
 
-def speed(axes: Any, run: Run) -> None:
+def speed(axes: Any, run: Run, end: str = "rear tip", limit: str = "string limit (EI → 0)") -> None:
     """Speed of the rear over time, with the string limit and the fitted rebound speed over its window."""
     rear, plan = run.measurement.rear, run.plan
     arrival = plan.front_arrival_s
     value = run.speed.value
-    axes.plot(rear.times_s * 1e3, rear.tip_speed_m_s, color=BLUE, linewidth=0.9, label="rear tip")
-    axes.axhline(plan.string.rear_speed_m_s, color=GREY, linestyle="--", linewidth=1.2, label="string limit (EI → 0)")
+    axes.plot(rear.times_s * 1e3, rear.tip_speed_m_s, color=BLUE, linewidth=0.9, label=end)
+    axes.axhline(plan.string.rear_speed_m_s, color=GREY, linestyle="--", linewidth=1.2, label=limit)
     window = [share * arrival * 1e3 for share in SPEED_WINDOW]
     axes.plot(window, [value, value], color=ORANGE, linewidth=2.5, label=f"V = {run.speed} m/s")
-    axes.set(xlabel="time (ms)", ylabel="speed (m/s)", title="speed of the rear tip", xlim=(0.0, arrival * 1e3))
+    axes.set(xlabel="time (ms)", ylabel="speed (m/s)", title=f"speed of the {end}", xlim=(0.0, arrival * 1e3))
     axes.set_ylim(0.0, 1.5 * max(value, plan.string.rear_speed_m_s))
     axes.legend(fontsize=8, loc="lower right", frameon=False)
 

@@ -20,8 +20,10 @@ from beadband.analysis.readers import ReadError
 from beadband.errors import UsageError, explain
 from beadband.model.beam import at_rest_curvature, eq7_curvature
 from beadband.model.scales import SPEED_WINDOW
+from beadband.notices import percent
 from beadband.runs import folder as files
 from beadband.runs.rear_run import reading_users_files
+from beadband.runs.strip_results import StripRun
 
 Rows = tuple[tuple[str, str], ...]
 
@@ -76,7 +78,7 @@ class Story:
     positions_m: Array
     """Shape (frames, beads, 2)."""
     stretch: Array
-    """Of the bond from each bead to the next, shape (frames, beads)."""
+    """Of the bond from each bead to the next, shape (frames, beads); of an open band the last one counts twice."""
     curvature_1_m: Array
     """Turning angle at each bead over reference spacing, positive where the ring turns as a circle does; same shape."""
     thickness_m: float
@@ -92,6 +94,8 @@ class Story:
     versions: Rows
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
+    open: bool = False
+    """Whether the last bead is not joined to the first: a strip, straight, without a finger."""
 
     @property
     def frames(self) -> int:
@@ -112,7 +116,8 @@ def read_story(folder: str | os.PathLike[str]) -> Story:
         run = remeasure(path)
         ring = run.ring
         try:
-            return tell(results, ring.times_s, ring.positions_m, run.energy, path.resolve().name)
+            more = (_front_chart(run),) if isinstance(run, StripRun) else ()
+            return tell(results, ring.times_s, ring.positions_m, run.energy, path.resolve().name, more)
         except ReadError:
             raise
         except (KeyError, TypeError, IndexError, ValueError) as error:
@@ -126,24 +131,32 @@ def read_story(folder: str | os.PathLike[str]) -> Story:
             ) from error
 
 
-def tell(results: Mapping[str, Any], times_s: Array, positions_m: Array, energies: Balance, name: str) -> Story:
+def tell(
+    results: Mapping[str, Any],
+    times_s: Array,
+    positions_m: Array,
+    energies: Balance,
+    name: str,
+    more: tuple[Chart, ...] = (),
+) -> Story:
     """Put a run's results and frames in order for drawing.
 
     Parameters
     ----------
-    results : what results.json holds; ``launch`` may be among it.
+    results : what results.json holds; ``launch`` or ``strip`` may be among it.
     times_s : shape (frames,).
-    positions_m : shape (frames, beads, 2), beads in order along the closed band.
+    positions_m : shape (frames, beads, 2), beads in order along the closed band, or the open strip.
     energies : energies at the frames.
     name : what the run is called.
+    more : further charts.
 
     Raises KeyError, TypeError or ValueError where ``results`` is not that of this ring.
     """
     from beadband.reporting.summary import result_rows
 
     scene, held = results["scene"], results["held"]
-    launch = results.get("launch")
-    if positions_m.shape[1] != scene["beads"]:
+    launch, strip = results.get("launch"), results.get("strip")
+    if positions_m.shape[1] != scene["beads"] + (strip is not None):
         raise ValueError(f"{positions_m.shape[1]} beads in the trajectory, {scene['beads']} in the scene")
     spacing = scene["circumference_m"] / scene["beads"]
     series = results["series"]
@@ -151,23 +164,28 @@ def tell(results: Mapping[str, Any], times_s: Array, positions_m: Array, energie
     free = launch.get("finger_free_s") if launch and scene.get("finger") == "clears" else None
     return Story(
         name=name,
-        title=(
-            f"Band {scene.get('label', scene['band'])}, strain {scene['strain']:g}, "
-            f"half-angle {scene['half_angle_deg']:g}°, {scene['law']}"
+        title=", ".join(
+            [
+                f"Band {scene.get('label', scene['band'])}",
+                *(["strip"] if strip else []),
+                f"strain {scene['strain']:g}",
+                *([] if strip else [f"half-angle {scene['half_angle_deg']:g}°"]),
+                scene["law"],
+            ]
         ),
         headline=_headline(results),
         times_s=times_s,
         positions_m=positions_m,
-        stretch=bond_stretch(positions_m, spacing),
-        curvature_1_m=ring_curvature(positions_m, spacing),
+        stretch=_stretch(positions_m, spacing, strip is None),
+        curvature_1_m=np.zeros(positions_m.shape[:2]) if strip else ring_curvature(positions_m, spacing),
         thickness_m=scene["thickness_m"],
-        finger=Finger(held["finger_centre_m"], held["finger_radius_m"], free),
+        finger=Finger(held["finger_centre_m"] or 0.0, held["finger_radius_m"] or 0.0, free),
         peg=Finger(radius, radius, 0.0) if radius else None,
         tip_times_s=_array(series["t_s"]),
         tip_speed_m_s=_array(series["tip_speed_m_s"]),
         charts=(
             _speed_chart(results),
-            _curvature_chart(results),
+            *((_pull_chart(strip), *more) if strip else (_curvature_chart(results),)),
             *(_launch_charts(launch) if launch else ()),
             _energy_chart(energies),
         ),
@@ -179,7 +197,13 @@ def tell(results: Mapping[str, Any], times_s: Array, positions_m: Array, energie
             "Every frame but the first is an average over the interval before it, drawn at its midpoint.",
             "The thickness of the band is to scale.",
         ),
+        open=strip is not None,
     )
+
+
+def _stretch(positions_m: Array, spacing_m: float, closed: bool) -> Array:
+    found = bond_stretch(positions_m, spacing_m, closed)
+    return found if closed else np.concatenate([found, found[:, -1:]], axis=1)
 
 
 def _array(values: Sequence[float]) -> Array:
@@ -190,9 +214,15 @@ def _headline(results: Mapping[str, Any]) -> str:
     found = Measured(results["rebound_speed_m_s"], results["rebound_speed_error_m_s"])
     speed = found.value
     away = speed / results["string_speed_m_s"] - 1.0
+    side = "above" if away > 0.0 else "below"
+    if "strip" in results:
+        return (
+            f"The released end recoils at {str(found).replace('+/-', '±')} m/s, {percent(abs(away))} {side} the exact "
+            f"speed. The wave: {results['strip']['exact']['wave']}."
+        )
     text = (
         f"The rear rebounds at {str(found).replace('+/-', '±')} m/s, {abs(away):.2%} "
-        f"{'above' if away > 0.0 else 'below'} the limit of a string that does not resist bending."
+        f"{side} the limit of a string that does not resist bending."
     )
     launch = results.get("launch") or {}
     free, arrival, pause = (launch.get(key) for key in ("finger_free_s", "rear_arrival_s", "pause_s"))
@@ -244,6 +274,22 @@ def _curvature_chart(results: Mapping[str, Any]) -> Chart:
         window_name=f"self-similar window, κ ~ t^({found['exponent']:.2f})" if found else "",
         logarithmic=True,
     )
+
+
+def _pull_chart(strip: Mapping[str, Any]) -> Chart:
+    times, pull = _array(strip["series"]["t_s"]), _array(strip["series"]["pull_n"])
+    return Chart("pull", "Pull of the held end", "N", (Curve("pull", times, pull),))
+
+
+def _front_chart(run: StripRun) -> Chart:
+    seen = np.isfinite(run.strip.path_m)
+    times = run.strip.frame_times_s
+    ends = np.array([0.0, run.exact_arrival_s])
+    curves = (
+        Curve("front", times[seen], 1e3 * run.strip.path_m[seen]),
+        Curve("exact", ends, 1e3 * run.exact_front_speed_m_s * ends, "dashed"),
+    )
+    return Chart("front", "Front, in the unstretched strip", "mm", curves)
 
 
 def _energy_chart(energies: Balance) -> Chart:

@@ -119,6 +119,8 @@ def result_rows(values: Mapping[str, Any]) -> list[tuple[str, str]]:
 def _string_text(values: Mapping[str, Any]) -> str:
     speed, string = values["rebound_speed_m_s"], values["string_speed_m_s"]
     side = "above" if speed > string else "below"
+    if "strip" in values:
+        return f"{string:.6g} m/s, exact for a strip; V is {percent(abs(speed / string - 1.0))} {side}"
     return f"{string:.4g} m/s; V is {abs(speed / string - 1.0):.2%} {side}"
 
 
@@ -137,8 +139,10 @@ def _ratio_text(wave: str) -> Callable[[Mapping[str, Any]], str]:
     return text
 
 
-def _curvature_text(values: Mapping[str, Any]) -> str:
+def _curvature_text(values: Mapping[str, Any]) -> str | None:
     curvature = values["curvature"]
+    if "strip" in values:
+        return None
     if curvature is None:
         return f"not given: {values['reason']}"
     start, end = curvature["window_s"]
@@ -180,6 +184,11 @@ def _with(key: str, more: Callable[[Mapping[str, Any]], str]) -> Callable[[Mappi
             return row
 
     return text
+
+
+def _beside_exact(name: str, scale: float) -> Callable[[Mapping[str, Any]], str | None]:
+    """The row of a value of a strip, and the exact one."""
+    return _with(f"strip.{name}", lambda values: f"; exact {scale * values['strip']['exact'][name]:.5g}")
 
 
 def _shares_text(values: Mapping[str, Any]) -> str | None:
@@ -230,6 +239,7 @@ _SPECIAL: observables.Special = {
         lambda values: f"; deepest in the finger {values['checks']['penetration']['value']:.2%} of the thickness",
     ),
     "launch.shares": _shares_text,
+    **{f"strip.{name}": _beside_exact(name, scale) for name, scale in (("front_speed_m_s", 1.0), ("arrival_s", 1e3))},
 }
 """Rows that say more than one value."""
 
@@ -285,7 +295,7 @@ def sweep(summary: dict[str, Any]) -> str:
 def heading(scene: Scene, degrees: str = " deg") -> str:
     """What was asked for, in one line."""
     law = "" if scene.law in scene.label.split(", ") else f", {scene.law}"
-    return f"Band {scene.label}, strain {scene.strain:g}, half-angle {scene.half_angle_deg:g}{degrees}{law}"
+    return f"Band {scene.label}, {scene.held(degrees)}{law}"
 
 
 def title_of(scene: Scene) -> str:

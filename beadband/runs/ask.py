@@ -16,7 +16,7 @@ from beadband.errors import BeadbandError, RunError, UsageError, explain
 from beadband.lammps.engine import Session, kept_session
 from beadband.model.formula import formula
 from beadband.model.scene import Scene
-from beadband.model.uncertainty import changed, with_auto_tolerance
+from beadband.model.uncertainty import changed, estimated_error, with_auto_tolerance
 from beadband.model.validity import validity_notices
 from beadband.notices import Notice, distinct_digits, notice
 from beadband.parameters import PLANNED, TABLE
@@ -208,6 +208,10 @@ def _value(question: Question, plan: Plan, found: Measurement) -> float:
 
 def _input_error(scene: Scene, quantity: str, value: float, session: Session | None) -> float | None:
     purpose = replace(scene, purpose=quantity)
+    if scene.is_strip:
+        # The formula is exact, and so are its derivatives.
+        relative = estimated_error(scene)
+        return None if relative is None else relative * value
     budget = budget_of(purpose, value, session)
     if budget is None:
         return None

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from beadband.analysis.readers import averaged_rear, read
+from beadband.analysis.readers import averaged_rear
 from beadband.errors import BeadbandError, RunError
 from beadband.lammps import files
 from beadband.lammps.batch import MOST_LEGS, Held, points_of, release_legs
 from beadband.lammps.engine import Session, run_script
 from beadband.lammps.scripts import write_ring
 from beadband.planning.plan import Plan
-from beadband.runs.held import hold, hold_legs
-from beadband.runs.measurement import Measurement, measure, reading_own_files
+from beadband.runs.held import hold_legs, hold_whole
+from beadband.runs.measurement import Measurement, measure, measured, reading_own_files
 
 _MOST_PAIRS = 120_000
 """Most legs times the square of their beads: beyond, to look for neighbours among all takes what a batch saves."""
@@ -35,9 +35,9 @@ def follow_rears(plans: Sequence[Plan], session: Session | None = None) -> list[
             return follow_rears(plans, own)
     found: dict[int, Measurement | BeadbandError] = {}
     legs = [place for place, plan in enumerate(plans) if plan.model == "leg"]
-    for place in (place for place, plan in enumerate(plans) if plan.model == "ring"):
+    for place in (place for place, plan in enumerate(plans) if plan.model != "leg"):
         try:
-            found[place] = _follow_ring(plans[place])
+            found[place] = _follow_whole(plans[place])
         except BeadbandError as error:
             found[place] = error
     for places in _batches(plans, legs):
@@ -94,8 +94,9 @@ def _released(legs: Sequence[Held], session: Session) -> list[Measurement | Bead
     return found
 
 
-def _follow_ring(plan: Plan) -> Measurement:
+def _follow_whole(plan: Plan) -> Measurement:
     with files.scratch() as folder, reading_own_files():
-        write_ring(folder, plan, hold(plan), pictures=False)
+        # The front of a strip is followed in its frames.
+        write_ring(folder, plan, hold_whole(plan), pictures=plan.scene.is_strip)
         run_script(folder, files.SCRIPT)
-        return measure(plan, read(folder / files.REAR))
+        return measured(plan, folder)

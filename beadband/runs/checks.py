@@ -57,14 +57,14 @@ def energy_limit(plan: Plan, energy: Balance) -> float:
     Velocity Verlet conserves, for a mode of frequency w, not its energy E but one that differs by up to (w dt)^2/4 of
     it, which is (dt/largest step)^2 at the stiffest mode. Of the stored energy, modes at the scale of the beads hold
     what is inside the fronts, some :data:`_FRONT_BEADS` beads of all, and what a shock without enough loss leaves
-    ringing behind it: the energy that the shock of the string limit gives up in both legs, less the loss. The loss is
+    ringing behind it: the energy that the shock of the string limit gives up in its legs, less the loss. The loss is
     a sum over samples.
     """
     scene, string, law = plan.scene, plan.string, plan.scene.material
     held, behind = 1.0 + scene.strain, 1.0 + string.residual_strain
     mean_stress = 0.5 * (float(law.stress(held)) + string.residual_stress_pa)
     shock = float(law.energy(held) - law.energy(behind)) - mean_stress * (held - behind)
-    shock_j = 2.0 * scene.wedge.reference_leg_m * scene.band.area_m2 * shock
+    shock_j = scene.legs * scene.wedge.reference_leg_m * scene.band.area_m2 * shock
     lost_j = float(energy.dissipated_j[-1])
     at_beads = _FRONT_BEADS / plan.beads + max(shock_j - lost_j, 0.0) / energy.stored_j
     return (plan.timestep_s / plan.largest_timestep_s) ** 2 * at_beads + _LOSS_SAMPLED * lost_j / energy.stored_j

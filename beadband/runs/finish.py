@@ -14,35 +14,41 @@ from beadband.model.scenefile import read_scene
 from beadband.planning.plan import Plan, plan_of
 from beadband.runs import folder as files
 from beadband.runs.clock import Clock
-from beadband.runs.held import hold
-from beadband.runs.measurement import measure, reading_own_files, reading_users_files
+from beadband.runs.held import hold_whole
+from beadband.runs.measurement import measured, reading_own_files, reading_users_files
 from beadband.runs.rear_run import estimate_of
 from beadband.runs.results import Run, stored_estimate, to_json
+from beadband.runs.strip_results import StripRun
 from beadband.statics.ring import Ring
+from beadband.statics.strip import Strip
 
 Reader = Callable[[Path], Trajectory]
 AnyRun = TypeVar("AnyRun", bound=Run)
 
 
-def finished(plan: Plan, ring: Ring, folder: Path, clock: Clock, **about: Any) -> Run:
+def finished(plan: Plan, ring: Ring | Strip, folder: Path, clock: Clock, **about: Any) -> Run:
     """The results of a release whose files stand in a folder, written there; ``about`` goes into the :class:`Run`."""
     scene = plan.scene
     with clock.part("estimate"):
         estimate = estimate_of(plan)
     with clock.part("measure"), reading_own_files():
-        measured = measure(plan, read(folder / files.REAR))
+        found = measured(plan, folder)
     inputs = None
     if scene.errors or scene.covariance:
         from beadband.runs.input_errors import budget_of
 
         with clock.part("inputs"):
-            inputs = budget_of(scene, measured.fitted_speed_m_s.value)
+            inputs = budget_of(scene, found.fitted_speed_m_s.value)
     with clock.part("measure"), reading_own_files():
-        done = Run(
-            plan, measured, estimate, inputs, held=ring, energy=_energies(plan, folder), folder=folder,
+        done = _kind(plan)(
+            plan, found, estimate, inputs, held=ring, energy=_energies(plan, folder), folder=folder,
             wall_s=clock.wall_s, fingerprints=files.fingerprints(folder), **about,
         )  # fmt: skip
     return written(done, clock)
+
+
+def _kind(plan: Plan) -> type[Run]:
+    return StripRun if plan.scene.is_strip else Run
 
 
 def written(done: AnyRun, clock: Clock) -> AnyRun:
@@ -64,11 +70,11 @@ def remeasure(folder: str | os.PathLike[str], reader: Reader = read) -> Run:
     with clock.part("measure"), reading_users_files():
         if not stored and (path / files.TRAJECTORY).is_file():
             read(path / files.TRAJECTORY).require_steps(plan.steps)
-        found = measure(plan, reader(path / files.REAR))
+        found = measured(plan, path, reader)
         energies = _energies(plan, path)
     with clock.part("relax"):
-        ring = hold(plan)
-    return Run(
+        ring = hold_whole(plan)
+    return _kind(plan)(
         plan, found, stored_estimate(stored), budget_of(plan.scene, found.fitted_speed_m_s.value), held=ring,
         energy=energies, folder=path, wall_s=clock.wall_s, fingerprints=prints,
     )  # fmt: skip

@@ -15,6 +15,7 @@ from beadband.lammps.files import (
     ENERGY,
     FINGER,
     HAND,
+    HELD,
     LAUNCH_SCRIPT,
     LEG_SCRIPT,
     LOG,
@@ -30,11 +31,11 @@ from beadband.lammps.files import (
 
 SCENE = "scene.toml"
 RESULTS = "results.json"
-MEASURED = (SCENE, DATA, REAR, ENERGY, FINGER, HAND, TRAJECTORY)
+MEASURED = (SCENE, DATA, REAR, ENERGY, FINGER, HAND, HELD, TRAJECTORY)
 """Files from which results are made, as far as a run has them."""
 
-__all__ = ["DATA", "ENERGY", "FINGER", "HAND", "LAUNCH_SCRIPT", "LEG_SCRIPT", "LOG", "PATH", "REAR", "SCRIPT", "TABLE"]
-__all__ += ["TRAJECTORY", "scratch", "write_text"]
+__all__ = ["DATA", "ENERGY", "FINGER", "HAND", "HELD", "LAUNCH_SCRIPT", "LEG_SCRIPT", "LOG", "PATH", "REAR", "SCRIPT"]
+__all__ += ["TABLE", "TRAJECTORY", "scratch", "write_text"]
 
 
 def create(out: str | os.PathLike[str]) -> Path:

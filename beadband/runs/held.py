@@ -8,6 +8,14 @@ from beadband.errors import RunError
 from beadband.planning.plan import Plan
 from beadband.statics.leg import Leg, LegRequest, held_legs
 from beadband.statics.ring import Ring, stretched_ring
+from beadband.statics.strip import Strip, stretched_strip
+
+
+def hold_whole(plan: Plan) -> Ring | Strip:
+    """The held ring of a plan, or its strip."""
+    if plan.scene.is_strip:
+        return stretched_strip(plan.strand, plan.beads, plan.scene.strain)
+    return hold(plan)
 
 
 def hold(plan: Plan) -> Ring:

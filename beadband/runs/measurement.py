@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 
-from beadband.analysis.curvature import Decay, decay
-from beadband.analysis.fits import Measured, path_slope, slope
-from beadband.analysis.readers import ReadError, Trajectory
+from beadband.analysis.curvature import Decay, bond_stretch, decay
+from beadband.analysis.fits import Array, Measured, path_slope, slope
+from beadband.analysis.readers import Pull, ReadError, Trajectory, read, read_pull
 from beadband.analysis.rear import Rear, rear_of
+from beadband.analysis.strip import Front, crossings, impulse
+from beadband.analysis.strip import front as front_of
 from beadband.errors import BeadbandError, RunError, UsageError, explain
 from beadband.model.beam import eq7_curvature
 from beadband.model.scales import SPEED_WINDOW, SimilarityWindow
+from beadband.model.strip import front_level
 from beadband.planning.plan import Plan
+from beadband.runs import folder as files
 
 
 @dataclass(frozen=True)
@@ -28,12 +33,70 @@ class Measurement:
     decay: Decay | None
     no_decay: str | None
     """Why no decay is reported, where that is so."""
+    strip: StripFound | None = None
+    """Of a strip: its front and what holds it."""
+
+
+@dataclass(frozen=True)
+class StripFound:
+    """Measured on a strip beyond its released end; errors are those of the fits alone."""
+
+    front: Front | None
+    no_front: str | None
+    """Why no front is reported, where that is so."""
+    path_m: Array
+    """Of the front at the frames of the whole strip, in reference length, shape (frames,); NaN where it is not seen."""
+    frame_times_s: Array
+    times_s: Array
+    """Of the lines about the held end, shape (lines,)."""
+    pull_n: Array
+    """On the held end, mean over the interval before."""
+    impulse_n_s: Array
+    """Of the held end since the release, size."""
+    momentum_n_s: Array
+    """Of the strip, size."""
+
+
+def measured(plan: Plan, folder: Path, reader: Callable[[Path], Trajectory] = read) -> Measurement:
+    """What the files of a release say, of a strip with its front; errors as :func:`measure`."""
+    found = measure(plan, reader(folder / files.REAR))
+    if not plan.scene.is_strip:
+        return found
+    return replace(
+        found, strip=_measured_strip(plan, reader(folder / files.TRAJECTORY), read_pull(folder / files.HELD))
+    )
+
+
+def _measured_strip(plan: Plan, frames: Trajectory, pull: Pull) -> StripFound:
+    frames.require_steps(plan.steps)
+    pull.require_steps(plan.steps)
+    times, spacing = frames.times_s(plan.timestep_s), plan.strand.spacing_m
+    stretch = bond_stretch(frames.positions_m, spacing, closed=False)
+    path = crossings(stretch, front_level(plan.scene), spacing)
+    window = (share * plan.front_arrival_s for share in SPEED_WINDOW)
+    found, reason = None, None
+    try:
+        found = front_of(times, path, plan.scene.band.circumference_m, *window)
+    except ValueError as error:
+        reason = str(error)
+    return StripFound(
+        front=found,
+        no_front=reason,
+        path_m=path,
+        frame_times_s=times,
+        times_s=pull.times_s(plan.timestep_s),
+        pull_n=-pull.mean_force_n,
+        impulse_n_s=impulse(pull, plan.timestep_s),
+        momentum_n_s=pull.momentum_n_s,
+    )
 
 
 def measure_rear(plan: Plan, trajectory: Trajectory) -> Rear:
     """The tip (bead 1, next to beads 2 and ``plan.beads``) over time; ReadError for a trajectory that is not whole."""
     trajectory.require_steps(plan.steps)
-    tip, upper, lower = (trajectory.bead(number) for number in (1, 2, plan.beads))
+    tip, upper = trajectory.bead(1), trajectory.bead(2)
+    # The end of a strip has one neighbour; its mirror image says that the strip is straight.
+    lower = 2.0 * tip - upper if plan.scene.is_strip else trajectory.bead(plan.beads)
     spacing = plan.scene.strand(plan.beads).spacing_m
     return rear_of(trajectory.times_s(plan.timestep_s), lower, tip, upper, spacing)
 

@@ -1,4 +1,4 @@
-"""One release from the scene to the results: plan, hold, release, measure, write.
+"""One release from the scene to the results: plan, hold_whole, release, measure, write.
 
 What comes after the release is another module (:mod:`beadband.runs.finish`), imported while LAMMPS is at work.
 """
@@ -20,7 +20,7 @@ from beadband.model.scenefile import scene_text
 from beadband.planning.plan import plan_of
 from beadband.runs import folder as files
 from beadband.runs.clock import Clock
-from beadband.runs.held import hold
+from beadband.runs.held import hold_whole
 
 if TYPE_CHECKING:
     from beadband.runs.results import Run
@@ -41,7 +41,7 @@ def run(scene: Scene, out: str | os.PathLike[str] | None = None, progress: Progr
     with clock.part("plan"):
         plan = plan_of(scene)
     with clock.part("relax"):
-        ring = hold(plan)
+        ring = hold_whole(plan)
     with clock.part("write"):
         folder, scratch = files.create_or_scratch(out)
         files.claim(folder, scene_text(plan.scene))

@@ -30,6 +30,7 @@ from beadband.runs import folder as files
 from beadband.runs.checks import Check, energy_limit, rounding_limit
 from beadband.runs.measurement import Measurement
 from beadband.statics.ring import Ring
+from beadband.statics.strip import Strip
 
 if TYPE_CHECKING:
     from beadband.runs.input_errors import Budget
@@ -51,12 +52,21 @@ class Estimate:
     speed_m_s: float
     exponent: float | None = None
     eq7_ratio: float | None = None
+    front_speed_m_s: float | None = None
+    arrival_s: float | None = None
+    """Of the front of a strip."""
 
     @classmethod
     def of(cls, beads: int, found: Measurement) -> Estimate:
         """What a run with so many beads gave."""
-        decay = (found.decay.exponent.value, found.decay.eq7_ratio.value) if found.decay else ()
-        return cls(beads, found.fitted_speed_m_s.value, *decay)
+        decay = (found.decay.exponent.value, found.decay.eq7_ratio.value) if found.decay else (None, None)
+        front = found.strip.front if found.strip else None
+        return cls(
+            beads,
+            found.fitted_speed_m_s.value,
+            *decay,
+            *((front.speed_m_s.value, front.arrival_s.value) if front else ()),
+        )
 
 
 @dataclass(frozen=True)
@@ -90,7 +100,7 @@ def joined_error_m_s(speed: Measured, beads: int, estimate: Estimate | NoEstimat
     below. Together they cover 98 % of scenes or more (tests/validation/random_scenes.py).
     """
     coarse = (estimate.beads, estimate.speed_m_s) if isinstance(estimate, Estimate) else None
-    return _level_error(beads, speed.value, coarse, SPEED_ORDER, math.hypot(speed.error, predicted * speed.value))
+    return level_error(beads, speed.value, coarse, SPEED_ORDER, math.hypot(speed.error, predicted * speed.value))
 
 
 def _decay_error(fit: Measured, beads: int, estimate: Estimate | NoEstimate, name: str, predicted: float) -> Measured:
@@ -101,10 +111,11 @@ def _decay_error(fit: Measured, beads: int, estimate: Estimate | NoEstimate, nam
     value = getattr(estimate, name, None)
     coarse = (estimate.beads, value) if isinstance(estimate, Estimate) and value is not None else None
     floor = math.hypot(2.0 * fit.error, predicted)
-    return Measured(fit.value, _level_error(beads, fit.value, coarse, DECAY_ORDER, floor))
+    return Measured(fit.value, level_error(beads, fit.value, coarse, DECAY_ORDER, floor))
 
 
-def _level_error(beads: int, value: float, coarse: tuple[int, float] | None, order: float, floor: float) -> float:
+def level_error(beads: int, value: float, coarse: tuple[int, float] | None, order: float, floor: float) -> float:
+    """Error bound of a value from a coarse run, which has so many beads and this value, and a floor that joins it."""
     levels = [(beads, value), *([coarse] if coarse is not None and coarse[0] != beads else [])]
     counts, values = np.array(levels).T
     return plain_error(1.0 / counts, values, floor, order)
@@ -243,8 +254,8 @@ class RearRun:
         scene = self.scene
         more = f", {len(self.notices)} notices" if self.notices else ""
         return (
-            f"<{type(self).__name__} of band {scene.label}, strain {scene.strain:g}, half-angle "
-            f"{scene.half_angle_deg:g} deg, {scene.law}:\n V = {self.speed} m/s, {self.plan.beads} beads{more}>"
+            f"<{type(self).__name__} of band {scene.label}, {scene.held()}, {scene.law}:\n"
+            f" V = {self.speed} m/s, {self.plan.beads} beads{more}>"
         )
 
     def _repr_html_(self) -> str:
@@ -255,7 +266,7 @@ class RearRun:
 class Run(RearRun):
     """A finished release of the whole ring."""
 
-    held: Ring
+    held: Ring | Strip
     energy: Balance
     folder: Path
     wall_s: Mapping[str, float] = field(default_factory=dict)
@@ -268,15 +279,15 @@ class Run(RearRun):
     level: ClassVar[str] = "release"
 
     @property
-    def held_radius_m(self) -> float:
-        """Radius of the circle on which the held beads lie."""
-        return self.held.finger_radius_m
+    def held_radius_m(self) -> float | None:
+        """Radius of the circle on which the held beads lie; None for a strip."""
+        return self.held.finger_radius_m if isinstance(self.held, Ring) else None
 
     @cached_property
     def ring(self) -> RingFrames:
         """The whole ring over time: ``times_s``, ``positions_m``, ``stretch`` and ``curvature_1_m`` as arrays."""
-        spacing = self.scene.band.circumference_m / self.plan.beads
-        return RingFrames(self.folder / files.TRAJECTORY, self.plan.timestep_s, spacing)
+        spacing, closed = self.scene.band.circumference_m / self.plan.beads, not self.scene.is_strip
+        return RingFrames(self.folder / files.TRAJECTORY, self.plan.timestep_s, spacing, closed)
 
     @property
     def checks(self) -> dict[str, Check]:

@@ -102,6 +102,11 @@ def find(values: Mapping[str, Any], parameter: str, speed_m_s: float, session: S
         raise UsageError(
             explain(f"{TABLE[key].flag} is what is to be found", values[key], "the rest of the scene", "leave it out")
         )
+    if values.get("shape") == "strip" and key != "strain":
+        given, allowed = f"--shape strip and {parameter}", "strain for a strip; any with --shape ring"
+        raise UsageError(
+            explain(f"the speed of a strip does not depend on its {parameter}", given, allowed, "find the strain")
+        )
     if not (isinstance(speed_m_s, (int, float)) and math.isfinite(speed_m_s) and speed_m_s > 0.0):
         raise UsageError(
             explain("the speed is out of range", speed_m_s, "a finite number above 0 m/s", "change --speed")

@@ -127,6 +127,11 @@ class Law:
         """Tangent modulus of the unstretched material."""
         return float(self.tangent(1.0))
 
+    @property
+    def unstressed_stretch(self) -> float:
+        """Stretch without stress: above 1 where a permanent set is left."""
+        return 1.0
+
     def longest_stretch(self) -> float | None:
         """Stretch in tension that the law can't reach; None where it has no such limit."""
         return None

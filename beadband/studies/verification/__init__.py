@@ -32,6 +32,7 @@ RUNGS: dict[str, Callable[[], list[Check]]] = {
         ("ring", "vibrations"),
         ("kink", "kink"),
         ("string", "stringlimit"),
+        ("strip", "strip"),
         ("orders", "orders"),
         ("conservation", "conservation"),
         ("peg", "peg"),
