@@ -145,13 +145,15 @@ def _spawned(jobs: int) -> Executor:
 class _Pool(ProcessPoolExecutor):
     """Processes that know whether they ever started."""
 
-    def __init__(self, *args: Any, **more: Any) -> None:
-        super().__init__(*args, **more)
-        self.first = self.submit(_started)
+    first: Future[None]
+
+    def start(self, function: Any) -> None:
+        """Hand out a first task, which fails only where the processes can't start; what others need is imported."""
+        self.first = self.submit(_started, function)
 
 
-def _started() -> None:
-    """The first task of a pool: it fails only where its processes can't start."""
+def _started(_: Any) -> None:
+    pass
 
 
 def _close(pool: Any) -> None:
@@ -314,6 +316,7 @@ def _until_broken(
     out: dict[Future[Any], Chunk] = {}
     ahead = 1 if alone else engine.ahead
     if isinstance(executor, _Pool):
+        executor.start(function)
         executor.first.add_done_callback(clock.start)
     try:
         while True:

@@ -23,7 +23,7 @@ from beadband.lammps.engine import program
 
 SWEEP = [sys.executable, "-m", "beadband", "sweep"]
 FLAGS = ["--band", "I,II,III,IV", "--strain", "0.1:1.4:6", "--half-angle", "6:26:3"]
-FLAGS += ["--law", "mooney-rivlin,linear", "--hang-after", "4"]
+FLAGS += ["--law", "mooney-rivlin,linear", "--hang-after", "8"]
 ENGINES = {
     "processes": [*SWEEP, "--jobs", "2"],
     "mpi": [str(program("mpirun")), "-np", "3", *SWEEP],
@@ -60,11 +60,12 @@ def workers_of(engine: str, mark: str) -> list[int]:
     signs = {
         "processes": "spawn_main",
         "dask": "dask worker",
-        "parsl": "parsl: HTEX worker",
+        "parsl": "spawn_main",
         "mpi": "-m beadband sweep",
     }
     found = sorted(one for one, line in started_by(mark).items() if signs[engine] in line and "mpirun" not in line)
-    return found[1:] if engine == "mpi" else found
+    # The first rank is the sweep itself, and Parsl's first process keeps its queues.
+    return found[1:] if engine in ("mpi", "parsl") else found
 
 
 def kill_all(process: subprocess.Popen[bytes], mark: str, seen: set[int]) -> None:
