@@ -16,7 +16,7 @@ import traceback
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib import import_module
 from itertools import islice
@@ -350,12 +350,17 @@ def _until_broken(
             # In a pool of processes all that is out breaks with them, and comes back so.
             if not engine.replaces:
                 for future in late:
-                    future.cancel()
+                    _cancel(future)
                     clock.forget(future)
                     yield out.pop(future), TimeoutError()
     finally:
         for future in out:
-            future.cancel()
+            _cancel(future)
+
+
+def _cancel(future: Future[Any]) -> None:
+    with suppress(NotImplementedError):  # Parsl's can't be
+        future.cancel()
 
 
 def _call(engine: Engine, work: Work, function: Any, chunk: Chunk, lost: int) -> tuple[Any, ...]:
