@@ -8,6 +8,7 @@ curvature divided by the square of the bead distance, so the columns are read as
 from __future__ import annotations
 
 import os
+import warnings
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -251,6 +252,36 @@ def read_watch(path: str | os.PathLike[str]) -> Watch:
 
 
 @dataclass(frozen=True)
+class Overlaps:
+    """Lines of touch.dat, arrays of shape (lines,), none where the run ended before: the band's contact with itself."""
+
+    steps: NDArray[np.int64]
+    energy_j: Array
+    overlap_m: Array
+    """What the deepest overlap of two parts of the band is at most."""
+
+    @property
+    def first_step(self) -> int | None:
+        """Step at which the first touch is seen; None without one."""
+        touched = self.steps[self.overlap_m > 0.0]
+        return int(touched[0]) if len(touched) else None
+
+    def at(self, steps: NDArray[np.int64]) -> tuple[Array, Array]:
+        """Energies at steps that have lines, and the largest overlap since the step before each; 0 before all lines."""
+        energy, overlap = np.zeros(len(steps)), np.zeros(len(steps))
+        place = np.minimum(np.searchsorted(steps, self.steps), len(steps) - 1)
+        np.maximum.at(overlap, place, self.overlap_m)
+        energy[place] = self.energy_j
+        return energy, overlap
+
+
+def read_overlaps(path: str | os.PathLike[str]) -> Overlaps:
+    """Read touch.dat; ReadError when it is missing or damaged."""
+    steps, energy, overlap = _columns(path, len(fields(Overlaps)), 0)
+    return Overlaps(steps.astype(np.int64), np.ascontiguousarray(energy), np.ascontiguousarray(overlap))
+
+
+@dataclass(frozen=True)
 class HandPath:
     """Lines of hand.dat at the steps of finger.dat, arrays of shape (lines,); SI units, X along the throw."""
 
@@ -297,7 +328,11 @@ def read_pull(path: str | os.PathLike[str]) -> Pull:
 
 def _columns(path: str | os.PathLike[str], width: int, fewest: int) -> Array:
     try:
-        table = np.loadtxt(path, ndmin=2)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of a file without lines
+            table = np.loadtxt(path, ndmin=2)
+        if table.size == 0:
+            table = table.reshape(0, width)
         if table.shape[1] != width or len(table) < fewest:
             raise ValueError(f"{table.shape[0]} lines of {table.shape[1]} columns")
     except (OSError, ValueError) as error:

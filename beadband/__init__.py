@@ -14,6 +14,7 @@ _PUBLIC = {
     "ask": "api",
     "find": "api",
     "sensitivity": "api",
+    "design": "api",
     "fit": "model.fitting",
     "load": "runs.dispatch",
     "analyze": "runs.dispatch",

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from beadband.runs.ask_many import Answers
     from beadband.runs.launch_results import Launch
     from beadband.runs.results import Run
+    from beadband.studies.design.optimum import Design
     from beadband.studies.design.sensitivity import Sensitivity
     from beadband.studies.find import Found
 
@@ -104,6 +105,26 @@ def sensitivity(
 
     values = flat_scene(parameters, "the keywords")
     return study(values, vary=vary, spanned=spans, quantity=quantity, points=points, seed=seed)
+
+
+def design(
+    goal: str,
+    *,
+    vary: Mapping[str, Any],
+    keep: Mapping[str, Any] | None = None,
+    least: bool = False,
+    **parameters: Any,
+) -> Design:
+    """The inputs for which a goal is largest, or ``least``: ``.values``, ``.value``, ``.error``, ``.scene``.
+
+    ``goal`` is "speed", "curvature" or a closed form as in "throw-speed". ``vary`` gives ranges by the names of inputs,
+    ``{"strain": (0.2, 1.2), "band": ["I", "III"]}``, and ``keep`` conditions by the names of quantities,
+    ``{"stored-energy": 0.1, "pull": (None, 5)}``. The other keywords are those of a scene. UsageError where the
+    conditions can't be met, RunError when LAMMPS fails.
+    """
+    from beadband.studies.design.optimum import design as study
+
+    return study(flat_scene(parameters, "the keywords"), goal, vary, keep, least=least)
 
 
 def _scene(given: Scene | None, parameters: dict[str, Any]) -> Scene:

@@ -182,10 +182,30 @@ def build_parser() -> argparse.ArgumentParser:
     sensitivity.add_argument(
         "--out", metavar="DIR", help="new or empty folder of table and picture (default: sensitivity)"
     )
+    design = command("design", "the best band for a goal, under conditions", scene=True)
+    _vary(design)
+    design.add_argument(
+        "--goal",
+        metavar="NAME",
+        required=True,
+        help="speed, curvature, or a closed form such as throw-speed, stored-energy or mass",
+    )
+    design.add_argument("--least", action="store_true", help="make the goal small instead of large")
+    design.add_argument(
+        "--keep",
+        metavar="NAME=VALUE",
+        action="append",
+        default=[],
+        help="a condition: stored-energy=0.1, pull=:5 (at most), mass=1e-3: (at least) or LOW:HIGH; several times",
+    )
     launch_map = command("launch-map", "pause and efficiency of launches over strain and half-angle")
     launch_map.add_argument("--out", metavar="DIR", help="new or empty folder (default: launch-map)")
     launch_map.add_argument("--jobs", metavar="N", type=int, help="processes (default: one per core)")
     launch_map.add_argument("--quick", action="store_true", help="a coarser grid of scenes with fewer beads")
+    launch_map.add_argument("--band", metavar="NAME", help="with --hand-mass: the band (default: III)")
+    axis = "values A,B,C or FIRST:LAST:COUNT, even in the logarithm"
+    launch_map.add_argument("--hand-mass", metavar="VALUES", help=f"a map over hands instead: masses in kg, {axis}")
+    launch_map.add_argument("--hand-stiffness", metavar="VALUES", help="with --hand-mass: springs in N/m (default: 0)")
     stability = command("stability", "where the methods fail: the step limit measured, and a catalogue of failures")
     stability.add_argument("--out", metavar="DIR", help="new or empty folder (default: stability)")
     stability.add_argument("--only", metavar="NAME", help="one entry of the catalogue, or map or releases")

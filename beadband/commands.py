@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from beadband import parameters
-from beadband.errors import RunError, UsageError
+from beadband.errors import RunError, UsageError, explain
 from beadband.model.scene import Scene, scene_of
 
 if TYPE_CHECKING:
@@ -291,7 +291,7 @@ def sensitivity(arguments: Namespace) -> int:
 
     found = study.sensitivity(
         scene_values(arguments),
-        vary=ranges.vary_of(arguments.vary),
+        vary=ranges.named(arguments.vary, "--vary"),
         spanned=arguments.spans.split(",") if arguments.spans else (),
         quantity=arguments.quantity,
         points=study.POINTS if arguments.points is None else arguments.points,
@@ -302,6 +302,22 @@ def sensitivity(arguments: Namespace) -> int:
     design_report.draw_sensitivity(found, out)
     print(json.dumps(found.as_dict(), indent=1) if arguments.json else design_report.sensitivity(found))
     print(f"table and picture in {out}", file=sys.stderr)
+    return _noted(found.warnings)
+
+
+def design(arguments: Namespace) -> int:
+    """Find the best band for a goal."""
+    from beadband.reporting import design_report
+    from beadband.studies.design import optimum, ranges
+
+    found = optimum.design(
+        scene_values(arguments),
+        arguments.goal,
+        ranges.named(arguments.vary, "--vary"),
+        ranges.named(arguments.keep, "--keep"),
+        least=arguments.least,
+    )
+    print(json.dumps(found.as_dict(), indent=1) if arguments.json else design_report.design(found))
     return _noted(found.warnings)
 
 
@@ -325,10 +341,16 @@ def _bar(unit: str) -> Iterator[Callable[[int, int], None] | None]:
 
 
 def launch_map(arguments: Namespace) -> int:
-    """Launch a grid of scenes for each band."""
+    """Launch a grid of scenes for each band, or one of hands."""
     from beadband.runs import folder
     from beadband.studies import launch_map as maps
 
+    if arguments.hand_mass is not None:
+        return _hand_map(arguments)
+    for flag, text in (("--hand-stiffness", arguments.hand_stiffness), ("--band", arguments.band)):
+        if text is not None:
+            alone = f"{flag} is not used without --hand-mass"
+            raise UsageError(explain(alone, f"{flag} {text}", f"{flag} with --hand-mass", f"leave {flag} out"))
     out = folder.create(arguments.out if arguments.out is not None else folder.next_free("launch-map"))
     start = time.perf_counter()
     points = maps.launch_map(
@@ -337,6 +359,23 @@ def launch_map(arguments: Namespace) -> int:
     maps.write_map(points, out)
     print(json.dumps(maps.rows(points), indent=1) if arguments.json else maps.summary(points))
     print(f"files in {out}; {len(points)} launches in {time.perf_counter() - start:.0f} s", file=sys.stderr)
+    return 0
+
+
+def _hand_map(arguments: Namespace) -> int:
+    """Launch one band with a grid of hands."""
+    from beadband.runs import folder
+    from beadband.studies import hand_map as maps
+
+    masses = maps.values_of("hand_mass_kg", arguments.hand_mass)
+    springs = maps.values_of("hand_stiffness_n_m", arguments.hand_stiffness or "0")
+    out = folder.create(arguments.out if arguments.out is not None else folder.next_free("hand-map"))
+    start = time.perf_counter()
+    follow = _Progress("hand") if sys.stderr.isatty() else None
+    found = maps.hand_map(masses, springs, arguments.band or "III", arguments.quick, follow, jobs=arguments.jobs)
+    maps.write_hand_map(*found, out)
+    print(json.dumps(maps.rows(*found), indent=1) if arguments.json else maps.summary(*found))
+    print(f"files in {out}; {len(found[0])} hands in {time.perf_counter() - start:.0f} s", file=sys.stderr)
     return 0
 
 

@@ -82,8 +82,11 @@ SENTENCES: dict[str, str] = {
     # The plan's reasons
     "beads-for-curvature": "{beads} beads: the held tip bends over a layer of {layer_mm:.3g} mm, and the tip curvature "
     "needs beads closer than {value:.2g} of it ({spacing_mm:.3g} mm); the speed alone needs {for_speed}",
+    "beads-for-launch": "{beads} beads: the numerical loss spreads a front that is no shock, and they keep what it "
+    "takes from the throw below {limit:.2g} % of its energy",
     "beads-for-speed": "{beads} beads: the moving rear is {rear_mm:.3g} mm long, and the rebound speed needs "
     "{value:.3g} beads in it for {limit:.2g} %",
+    "beads-for-hand": "{beads} beads: the peak force on the hand needs them",
     "tolerance-auto": "tolerance {value:.2g} %: a fifth of the error of V from the inputs, {limit:.2g} %; the "
     "usual 0.5 % would take {saved:.2g} times the beads for V",
     "beads-for-strip": "{beads} bonds over {rear_mm:.3g} mm of strip: the recoil speed needs {value:.3g} for "
@@ -117,6 +120,13 @@ SENTENCES: dict[str, str] = {
     "launch-step": "step {step_s:.3g} s: {value:.2f} of the largest stable one for bonds as short as {limit:.2f} of "
     "their length, where the two fronts meet, and beads on the finger",
     "finger-stiffness": "finger: {value:.3g} N/m for each bead, {phase:.2f} of a radian in a step",
+    "self-contact": "contact of the band with itself at {thickness_mm:.3g} mm, {stiffness:.3g} N/m for two beads, from "
+    "{value:.3g} s on: before the fronts meet all of the band is pulled, and no two parts can touch",
+    "self-contact-coarse": "no contact of the band with itself: its beads are {value:.2g} of the thickness apart; up "
+    "to {limit:g} they keep its parts from passing between each other",
+    "self-contact-many": "no contact of the band with itself: {value:.0f} beads, and it is computed for up to {limit}",
+    "self-contact-never": "no contact of the band with itself: the rear arrives at {value:.3g} s, before the fronts "
+    "meet at {limit:.3g} s and parts of the band can touch",
     "launch-frames": "{frames:.0f} frames of the ring, and {rear:.0f} of its rear and of the finger, until the "
     "string's rear arrives; at most {steps} steps",
     "tensile-curve": "tensile test: smoothed with a strength of {value:.2g}, which leaves the curve {freedom:.1f} "
@@ -176,14 +186,26 @@ SENTENCES: dict[str, str] = {
     "is no pause, the hand is hit",
     "hand-hit": "the rear hits the hand at {value:.2f} m/s, after {time_s:.4g} s and {way_mm:.3g} mm of its way",
     "hand-not-hit": "the rear did not hit the hand within {limit:g} times its arrival at a fixed finger",
+    "hand-hit-unsure": "with {beads} beads the hand is {other}: it is close to the line between hit and not hit, and "
+    "what it felt has no error",
     "finger-not-cleared": "the finger was never free of load and was not taken away: the flight is left out",
     "touched-again": "the band touched the free finger again, {count} time(s) from {start_s:.4g} s on, and {way} "
     "{value:2p} of its momentum",
-    "crosses-itself": "the band crosses itself from {value:.4g} s on: the model has no contact between its parts",
+    "no-flight": "no flight is computed: the finger was never free of the band, which is not thrown",
+    "touches-itself": "parts of the band touch each other from {value:.4g} s on",
+    "crosses-itself": "the band crosses itself from {value:.4g} s on: contact between its parts is off",
     "buckled-aside": "the compressed band buckled to one side: its rear left the axis by up to {value:.3g} m",
     # Studies of many scenes
     "indices-of-errors": "single values have errors of up to {value:.2g} of their standard deviation over the ranges: "
     "the indices are in part those of these errors; lower --tolerance or widen the ranges",
+    "design-on-bound": "{name} is at the {value} end of its range, {limit}: a better band may lie beyond",
+    "design-at-edge": "the optimum lies {value:.2g} from the edge of what can be held or described: a better band may "
+    "lie beyond it",
+    "design-indifferent": "{name} changes neither the goal nor what is kept: its value is arbitrary",
+    "throw-without-bending": "the throw was made best in the string limit, without bending; a run of it with bending "
+    "gives {value:.4g}{unit}, {share:+.1%}",
+    "design-not-confirmed": "the optimum was had as {value:.4g}{unit}, and a run of it gives {limit:.4g}{unit}: more "
+    "than both errors apart",
     # Fits of laws to a tensile test
     "fit-undetermined": "the test does not determine {name}: its standard error is {value:.2g} of it",
     "fit-peak": "the tension of this fit peaks at a stretch of {value:.4g}, within the test, which goes to "
@@ -209,6 +231,10 @@ SENTENCES: dict[str, str] = {
     "{limit:.2g}; raise --beads or leave it out",
     "too-deep": "beads sink into the finger by {value:2p} of the thickness, allowed {limit:2p}: lower --timestep for "
     "a stiffer finger",
+    "overlaps-itself": "parts of the band overlap by {value:2p} of the thickness, allowed {limit:2p}: lower --timestep "
+    "for a stiffer contact",
+    "crossed-itself": "the band crosses itself in {value:.0f} frame(s) in spite of the contact between its parts, "
+    "allowed {limit:.0f}: raise --beads or lower --timestep",
     "momentum-unbalanced": "the momentum and the impulse of what holds the band differ by {value:.2g} of the "
     "momentum, allowed {limit:.2g}",
     "hand-unbalanced": "momentum and impulses of the hand differ by {value:.2g} of the band's momentum, allowed "

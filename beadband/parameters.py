@@ -17,11 +17,11 @@ from typing import Any
 
 from beadband.errors import UsageError, explain
 
-COMMANDS = ("plan", "run", "ask", "find", "sweep", "sensitivity", "pareto")
+COMMANDS = ("plan", "run", "ask", "find", "sweep", "sensitivity", "design", "pareto")
 """Commands that take a scene."""
 _RUNS = ("plan", "run")
 _PLANNED = ("plan", "run", "sweep")
-_TOLERANT = ("plan", "run", "ask", "find", "sweep", "sensitivity")
+_TOLERANT = ("plan", "run", "ask", "find", "sweep", "sensitivity", "design")
 UNUSED = "unused-parameter"
 """Code of the error for a parameter that was given and that nothing uses."""
 FEWEST_BEADS = 24
@@ -29,6 +29,8 @@ FEWEST_BEADS = 24
 MOST_STEPS = 2_000_000_000
 AUTO = "auto"
 """Tolerance of a fifth of what the inputs' errors make of the speed."""
+GIVEN = "given"
+"""What a parameter must be that another needs to have a value, whichever."""
 _UNITS = ("_kg_m3", "_n_s_m", "_m_s", "_deg", "_rad", "_pa", "_m2", "_m4", "_n_m", "_n", "_kg", "_m", "_s")
 
 
@@ -47,7 +49,7 @@ class Parameter:
     default: Any = None
     """Value of a scene that does not give it; None where the band, the law or the plan has one."""
     section: str = "scene"
-    """"scene", "hand", "band", "law", "plan" (left open, the plan chooses it) or "record" (in files, no option)."""
+    """"scene", "hand", "flight", "band", "law", "plan" (left open, the plan chooses it) or "record" (only in files)."""
     above: float = -math.inf
     below: float = math.inf
     least: float = -math.inf
@@ -197,7 +199,18 @@ TABLE: dict[str, Parameter] = {
         Parameter("finger", "word", "it stays, or is taken away once it carries no load", default="stays",
                   words=("stays", "clears"), commands=_RUNS, only=_launch()),
         Parameter("flight_s", "number", "time of flight after the rear has reached the place of the finger", unit="s",
-                  default=0.0, least=0.0, commands=_RUNS, only=_launch(finger="clears"), metavar="S"),
+                  section="flight", default=0.0, least=0.0, commands=_RUNS, only=_launch(finger="clears"), metavar="S"),
+        Parameter("self_contact", "word", "contact between parts of the band that meet; off: they pass through "
+                  "each other", default="on", words=("on", "off"), commands=_RUNS, only=_launch()),
+        Parameter("elevation_deg", "number", "angle of the throw above the horizontal; with it the flight is computed, "
+                  "to the ground and in air", unit="deg", section="flight", above=-90.0, below=90.0, commands=_RUNS,
+                  only=_launch(), metavar="DEG"),
+        Parameter("height_m", "number", "height of the throw above the ground", unit="m", section="flight", default=0.0,
+                  least=0.0, commands=_RUNS, only=_launch(elevation_deg=GIVEN), metavar="M"),
+        Parameter("air_density_kg_m3", "number", "density of the air; 0 leaves it out", unit="kg/m3", section="flight",
+                  default=1.2, least=0.0, commands=_RUNS, only=_launch(elevation_deg=GIVEN), metavar="KG_M3"),
+        Parameter("drag_coefficient", "number", "drag coefficient across the band; by default that of its section",
+                  "Cd", section="flight", least=0.0, commands=_RUNS, only=_launch(elevation_deg=GIVEN)),
         _hand("mass_kg", "mass of a finger that the band moves", "M", "kg", above=0.0),
         _hand("stiffness_n_m", "spring of that finger, slack before the release", "K", "N/m", least=0.0),
         _hand("damping_n_s_m", "damper of that finger", "D", "N s/m", least=0.0),
@@ -406,6 +419,7 @@ def add_arguments(parser: argparse.ArgumentParser, command: str, grid: bool = Fa
     titles = {
         "scene": "grid" if grid else "scene",
         "hand": "a finger that moves",
+        "flight": "the flight of a launch",
         "band": "band",
         "law": "constants of a law",
         "plan": "plan",

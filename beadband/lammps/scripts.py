@@ -30,6 +30,7 @@ MOST_ENERGY = 1.05
 GUARD_STEPS = 200
 """Steps between checks of the energy."""
 _NEVER = 2_000_000_000
+_KINDS = 4  # types of beads in band.data
 _MOST_BINS = 3000
 """Bins along the band; the box around it has some of them more."""
 _IDLE_FORCE = 1e-6
@@ -165,6 +166,7 @@ def launch_variables(plan: LaunchPlan, ring: Ring, support: Support, pictures: b
         "rear_steps": plan.rear_steps,
         "idle_steps": plan.idle_steps,
         "flight_steps": plan.flight_steps,
+        **touch_variables(plan, ring),
         "finger_clears": int(scene.finger == "clears"),
         "finger_x": support.centre_m,
         "finger_radius": support.radius_m,
@@ -178,6 +180,30 @@ def launch_variables(plan: LaunchPlan, ring: Ring, support: Support, pictures: b
         **frame_variables(plan.frame_steps, pictures),
         "lost_every": lost_every,
         "lost_average": plan.rear_steps // lost_every,
+    }
+
+
+def touch_variables(plan: LaunchPlan, ring: Ring) -> Variables:
+    """What launch.in needs to know of the contact of the band with itself."""
+    from beadband.planning.self_contact import tip_pairs
+
+    touching = plan.self_contact
+    if touching is None:
+        return {"touches": 0, "more_types": 0, "touch_from": plan.steps, "touch_every": _NEVER}
+    pairs, thickness = (plan.beads + 1) // 2, plan.scene.band.thickness_m
+    return {
+        "touches": 1,
+        "pairs": pairs,
+        "more_types": max(0, pairs + 1 - _KINDS),
+        "near": touching.near_pairs,
+        "tip": tip_pairs(ring, thickness),
+        "thickness": thickness,
+        "bead_mass": plan.strand.bead_mass_kg,
+        "touch_stiffness": touching.stiffness_n_m,
+        "touch_skin": touching.skin_m,
+        "touch_from": min(touching.from_steps, plan.steps),
+        "touch_every": touching.every_steps,
+        "touch_sample": sample_every(plan.rear_steps, plan.rear_steps // 2),
     }
 
 

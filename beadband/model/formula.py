@@ -18,6 +18,7 @@ from beadband.model.scales import FORGOTTEN_AFTER, WINDOW_BEFORE
 from beadband.model.scene import Scene
 from beadband.model.string_arrays import arrays_of, softens, string_limits, strip_speeds
 from beadband.model.validity import check_validity
+from beadband.parameters import Parameter
 
 Array = NDArray[np.float64]
 
@@ -65,6 +66,11 @@ def shares_law(scene: Scene) -> bool:
     return type(scene.material).__name__ not in ("Softened", "Unloading")
 
 
+def own_constants(scene: Scene) -> dict[str, Parameter]:
+    """Constants of a scene's law by their keys; none of one that remembers its held stretch."""
+    return {one.key: one for one in scene.material.constants()} if shares_law(scene) else {}
+
+
 def varies_together(scene: Scene, varied: Mapping[str, Array]) -> bool:
     """Whether copies of a scene with these constants of its law are one evaluation of :func:`formula`.
 
@@ -72,13 +78,14 @@ def varies_together(scene: Scene, varied: Mapping[str, Array]) -> bool:
     through one front, whose equation is the same for arrays of constants.
     """
     constants = [key for key in varied if key not in VARIED]
-    own = {STATED, *(one.key for one in scene.material.constants() if one.kind == "number")}
+    own = {STATED, *(key for key, one in own_constants(scene).items() if one.kind == "number")}
     if not constants:
         return True
     if scene.is_strip or scene.bending_modulus != "table" or not shares_law(scene) or not own.issuperset(constants):
         return False
     try:
-        law, given = _law_of(scene, _broadcast(scene, varied))
+        given = _broadcast(scene, varied)
+        law = _law_of(scene, given)
         return not arrays_of(law) or softens(law, given["strain"])
     except (TypeError, ValueError):
         return False  # a law of somebody's that takes no arrays for its constants
@@ -93,15 +100,15 @@ def _broadcast(scene: Scene, varied: Mapping[str, Any]) -> dict[str, Array]:
     return dict(zip(names, arrays, strict=True))
 
 
-def _law_of(scene: Scene, given: Mapping[str, Array]) -> tuple[Law, Mapping[str, Array]]:
-    """The law, with arrays for those of its constants that vary, and what was given."""
+def _law_of(scene: Scene, given: Mapping[str, Array]) -> Law:
+    """The law, with arrays for those of its constants that vary."""
     constants = {key: given[key] for key in scene.material.values() if key in given}
-    return (replace(scene.material, **constants) if constants else scene.material), given  # type: ignore[type-var]
+    return replace(scene.material, **constants) if constants else scene.material  # type: ignore[type-var]
 
 
 def answered(scene: Scene, varied: Mapping[str, Any]) -> NDArray[np.bool_]:
     """Which copies of a scene, varied as for :func:`formula`, have an answer at all."""
-    found: NDArray[np.bool_] = ~_refused(scene, *_given(scene, varied))
+    found: NDArray[np.bool_] = room(scene, varied) > 0.0
     return found
 
 
@@ -111,8 +118,8 @@ def scenes_of(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, A
     Arrays of one shape, with ``leg_m``, the reference leg, and ``half_angle_rad`` among them. UsageError where one of
     the scenes has no answer.
     """
-    law, given = _given(scene, varied)
-    refused = _refused(scene, law, given)
+    law, given = _described(scene, varied)
+    refused = _room(scene, law, given) <= 0.0
     if np.any(refused):
         from beadband.model.scene import scene_of
 
@@ -123,22 +130,30 @@ def scenes_of(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, A
     return law, given
 
 
-def _given(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, Array]]:
-    law, given = _law_of(scene, _broadcast(scene, varied))
-    held, phi = 1.0 + given["strain"], np.radians(given["half_angle_deg"])
-    leg = held * given["circumference_m"] / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
-    return law, {**given, "leg_m": leg / held, "half_angle_rad": phi}
+def room(scene: Scene, varied: Mapping[str, Any]) -> Array:
+    """How far scenes are from one without an answer: smooth, positive where there is one, else 0 or less."""
+    return _room(scene, *_described(scene, varied))
 
 
-def _refused(scene: Scene, law: Law, given: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Which scenes have no answer: those of :func:`scene_of` and :func:`check_validity`."""
-    held, phi, leg, thickness = 1.0 + given["strain"], given["half_angle_rad"], given["leg_m"], given["thickness_m"]
+def _described(scene: Scene, varied: Mapping[str, Any]) -> tuple[Law, dict[str, Array]]:
+    given = _broadcast(scene, varied)
+    phi = np.radians(given["half_angle_deg"])
+    whole = given["circumference_m"]
+    leg = whole if scene.is_strip else whole / (2.0 + np.tan(phi) * (math.pi + 2.0 * phi))
+    return _law_of(scene, given), {**given, "leg_m": leg, "half_angle_rad": phi}
+
+
+def _room(scene: Scene, law: Law, given: Mapping[str, Array]) -> Array:
+    held, phi = 1.0 + given["strain"], given["half_angle_rad"]
     # A law that softens, as those of arrays do, carries more and more up to where its tangent is gone.
-    peaked = law.tangent(held) <= 0.0 if arrays_of(law) else held >= longest_held(scene.material)
-    refused: NDArray[np.bool_] = (held * np.sin(phi) >= 1.0) | peaked
+    carried = law.tangent(held) / law.tangent(1.0) if arrays_of(law) else longest_held(scene.material) - held
+    found = np.minimum(1.0 - held * np.sin(phi), carried)
     if scene.bending_scale > 0.0:
-        refused |= (held * leg * np.tan(phi) <= 0.5 * thickness / np.sqrt(held)) | (leg <= thickness)
-    return refused
+        leg, thickness = given["leg_m"], given["thickness_m"]
+        half = 0.5 * thickness / np.sqrt(held)
+        found = np.minimum(found, np.minimum(held * leg * np.tan(phi) / half, leg / thickness) - 1.0)
+    least: Array = np.asarray(found, dtype=np.float64)
+    return least
 
 
 @lru_cache(maxsize=256)

@@ -43,6 +43,8 @@ class StringLaunch:
     """Translation of the centre of mass over the stored energy."""
     finger_free_s: float
     """When the fronts meet, (Cb/2)/(front speed)."""
+    turning_1_s: float
+    """Rate at which the angle theta of what lies on the finger falls once the front has arrived there."""
     rear_arrival_s: float
     """When the rear, at its constant speed, has come from the tip to the finger's surface, (L/cos(phi) - R)/V."""
     exact: bool
@@ -85,6 +87,7 @@ def string_launch(scene: Scene) -> StringLaunch:
         stored_j=stored,
         efficiency=momentum**2 / (2.0 * mass * stored),
         finger_free_s=arrival + on_finger,
+        turning_1_s=(math.pi / 2.0 + phi) / on_finger,
         rear_arrival_s=(wedge.leg_m / math.cos(phi) - wedge.finger_radius_m) / string.rear_speed_m_s,
         exact=bool(one_front(string.wave.mean_speed_ratio, phi)),
     )

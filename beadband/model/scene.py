@@ -25,7 +25,7 @@ from beadband.model.hand import KEYS as HAND
 from beadband.model.hand import Hand, hand_of
 from beadband.model.laws import LAWS, Law, Linear, Softened, law_of
 from beadband.model.wedge import StringLimit, Wedge, published_ratio, string_limit, strip_limit, wave_speeds, wedge_of
-from beadband.parameters import AUTO, PLANNED, TABLE, UNUSED, checked, uncertain
+from beadband.parameters import AUTO, GIVEN, PLANNED, TABLE, UNUSED, checked, uncertain
 
 if TYPE_CHECKING:
     from beadband.model.peg import Peg
@@ -55,6 +55,14 @@ class Scene:
     """Of a launch: whether the finger stays, or is taken away once it carries nothing."""
     flight_s: float
     """Of a launch whose finger clears: time that the band flies on after its rear has come to the finger's place."""
+    self_contact: str
+    """Of a launch: whether parts of the band that meet push each other away, "on" or "off"."""
+    elevation_deg: float | None
+    """Of a launch: angle of the throw above the horizontal; None where no flight is computed."""
+    height_m: float
+    air_density_kg_m3: float
+    drag_coefficient: float | None
+    """Across the band; None for that of its section."""
     tip_radius_m: float = 0.0
     """Radius of the peg that holds the tip, to the middle of the band; 0 for a point."""
     hand_mass_kg: float | None = None
@@ -243,8 +251,8 @@ class Scene:
             "planned": list(self.planned) or None,
         }
         if self.until == "launch":
-            values.update({"finger": self.finger, "flight_s": self.flight_s})
-            values.update({key: getattr(self, key) for key in HAND})
+            flight = _FLIGHT if self.elevation_deg is not None else ()
+            values.update({key: getattr(self, key) for key in ("finger", "flight_s", "self_contact", *HAND, *flight)})
         values |= self.band.properties() | self.material.values()
         unused = _OF_A_RING if self.is_strip else ()
         return {key: value for key, value in values.items() if value is not None and key not in unused}
@@ -262,9 +270,10 @@ def _size(key: str, values: Mapping[str, Any]) -> str:
     return " ".join([",".join(f"{factor * each:.4g}" for each in numbers), *([name] if name else [])])
 
 
+_FLIGHT = ("elevation_deg", "height_m", "air_density_kg_m3", "drag_coefficient")
 _PLAIN = (
     *("shape", "strain", "half_angle_deg", "until", "tolerance", "bending_modulus", "bending_scale", "tip_radius_m"),
-    *("finger", "flight_s"),
+    *("finger", "flight_s", "self_contact", *_FLIGHT),
     *HAND,
 )
 """Parameters that are fields of a scene under the same name."""
@@ -460,6 +469,28 @@ def _planned(names: Any) -> tuple[str, ...]:
 
 def _refuse_unused(scene: Scene, given: Mapping[str, Any]) -> None:
     """Refuse what was given and needs another value beside it to be used."""
+    state = {"until": scene.until, "finger": scene.finger, "shape": scene.shape}
+    state["elevation_deg"] = "missing" if scene.elevation_deg is None else GIVEN
+    for one in (TABLE[key] for key in given if key in TABLE):
+        for other, needed in (one.only or {}).items():
+            # What says nothing may stand: the default, but for an angle, which a strip can't have.
+            silent = getattr(scene, one.key) == one.default and one.key != "half_angle_deg"
+            if state[other] != needed and not silent:
+                partners = {key: f"{TABLE[key].flag} {word}" for key, word in (one.only or {}).items()}
+                partners = {key: text.removesuffix(f" {GIVEN}") for key, text in partners.items()}
+                wrong = f"without {partners[other]}" if needed == GIVEN else f"with {other} {state[other]}"
+                raise UsageError(
+                    explain(
+                        f"{one.flag} is not used {wrong}",
+                        f"{one.flag} {getattr(scene, one.key)}",
+                        f"{' and '.join(partners.values())} with {one.flag}",
+                        f"add {partners[other]}, or leave {one.flag} out",
+                    ),
+                    UNUSED,
+                )
+    if scene.is_strip and given.get("for") == "curvature":
+        wrong, allowed = "a strip has no tip curvature to be right", "--for speed, or --shape ring"
+        raise UsageError(explain(wrong, "--for curvature", allowed, "leave --for out"), UNUSED)
     if scene.bending_scale == 0.0 and scene.bending_modulus != TABLE["bending_modulus"].default:
         wrong, value = "--bending-modulus is not used without bending", f"{scene.bending_modulus} and --bending-scale 0"
         allowed, advice = "--bending-modulus with --bending-scale above 0", "leave one of the two out"
@@ -472,33 +503,13 @@ def _refuse_unused(scene: Scene, given: Mapping[str, Any]) -> None:
         wrong, allowed = "a tip held at a point has no radius to be uncertain", "a radius above 0 m with an error"
         value = f"--tip-radius 0 +/- {dict(scene.errors)['tip_radius_m']:g} m"
         raise UsageError(explain(wrong, value, allowed, "give the radius, or leave the error out"))
-    state = {"until": scene.until, "finger": scene.finger, "shape": scene.shape}
-    for one in (TABLE[key] for key in given if key in TABLE):
-        for other, needed in (one.only or {}).items():
-            # What says nothing may stand: the default, but for an angle, which a strip can't have.
-            silent = getattr(scene, one.key) == one.default and one.key != "half_angle_deg"
-            if state[other] != needed and not silent:
-                partners = " and ".join(f"{TABLE[key].flag} {value}" for key, value in (one.only or {}).items())
-                raise UsageError(
-                    explain(
-                        f"{one.flag} is not used with {other} {state[other]}",
-                        f"{one.flag} {getattr(scene, one.key)}",
-                        f"{partners} with {one.flag}",
-                        f"add {TABLE[other].flag} {needed}, or leave {one.flag} out",
-                    ),
-                    UNUSED,
-                )
-    if scene.is_strip and given.get("for") == "curvature":
-        wrong, allowed = "a strip has no tip curvature to be right", "--for speed, or --shape ring"
-        raise UsageError(explain(wrong, "--for curvature", allowed, "leave --for out"), UNUSED)
-    if scene.bending_scale == 0.0 and scene.bending_modulus != TABLE["bending_modulus"].default:
-        wrong, value = "--bending-modulus is not used without bending", f"{scene.bending_modulus} and --bending-scale 0"
-        allowed, advice = "--bending-modulus with --bending-scale above 0", "leave one of the two out"
-        raise UsageError(explain(wrong, f"--bending-modulus {value}", allowed, advice), UNUSED)
 
 
 def _refuse_without_answer(scene: Scene) -> None:
     """Refuse what has no answer, with the number that decides."""
+    if scene.elevation_deg is not None and scene.elevation_deg <= 0.0 and scene.height_m == 0.0:
+        wrong, given = "there is no flight: the band is thrown at the ground", f"--elevation {scene.elevation_deg:g}"
+        raise UsageError(explain(wrong, given, "above 0 without --height", "raise --elevation or --height"))
     closing = (1.0 + scene.strain) * math.sin(scene.half_angle_rad)
     if closing >= 1.0:
         raise UsageError(

@@ -58,10 +58,7 @@ def string_limits(law: Law, density_kg_m3: Any, strain: Any, half_angle_rad: Any
     )
     shape, root = strains.shape, np.sqrt(density)
     held, sine = 1.0 + strains.ravel(), np.sin(angles.ravel())
-    many = arrays_of(law)
-    if many:
-        law = replace(law, **{key: one.ravel() if one.size > 1 else one.item() for key, one in many.items()})  # type: ignore[type-var]
-    turn = math.inf if many else _turn(law, float(held.max(initial=1.0)))
+    law, turn = _flat(law, strains)
     if turn is None:
         pairs = zip(strains.ravel().tolist(), angles.ravel().tolist(), strict=True)
         single = [string_limit(law, 1.0, *pair) for pair in pairs]
@@ -79,6 +76,26 @@ def string_limits(law: Law, density_kg_m3: Any, strain: Any, half_angle_rad: Any
         mean = particle / (front * (held - stretch)) if np.isfinite(turn) else np.ones_like(sine)
     behind, stress, speed, front, mean = (one.reshape(shape) for one in (behind, stress, speed, front, mean))
     return StringLimits(behind, stress, speed / root, front / root, mean)
+
+
+def strip_speeds(law: Law, density_kg_m3: Any, strain: Any) -> Array:
+    """Recoil speeds of strips, m/s: :func:`beadband.model.wedge.strip_limit` for arrays as of :func:`string_limits`."""
+    density, strains = np.broadcast_arrays(*(np.asarray(one, dtype=np.float64) for one in (density_kg_m3, strain)))
+    held, (law, turn) = 1.0 + strains.ravel(), _flat(law, strains)
+    if turn is None or (held.size == 1 and not arrays_of(law)):
+        speed = np.array([strip_limit(law, 1.0, one).rear_speed_m_s for one in strains.ravel().tolist()])
+    else:
+        speed = _Waves(law, held, turn).unloaded_to(np.full_like(held, law.unstressed_stretch))[0]
+    return np.asarray(speed.reshape(strains.shape) / np.sqrt(density), dtype=np.float64)
+
+
+def _flat(law: Law, strains: Array) -> tuple[Law, float | None]:
+    """The law with its arrays of one dimension, and where it turns (:func:`_turn`)."""
+    many = arrays_of(law)
+    if many:
+        flat = {key: one.ravel() if one.size > 1 else one.item() for key, one in many.items()}
+        return replace(law, **flat), math.inf  # type: ignore[type-var]
+    return law, _turn(law, 1.0 + float(strains.max(initial=0.0)))
 
 
 def arrays_of(law: Law) -> dict[str, Array]:
@@ -99,18 +116,6 @@ def softens(law: Law, strain: Array) -> bool:
             return False
         before = tangent
     return True
-
-
-def strip_speeds(law: Law, density_kg_m3: Any, strain: Any) -> Array:
-    """Recoil speeds of strips of one law, m/s: :func:`beadband.model.wedge.strip_limit` for arrays that broadcast."""
-    density, strains = np.broadcast_arrays(*(np.asarray(one, dtype=np.float64) for one in (density_kg_m3, strain)))
-    held = 1.0 + strains.ravel()
-    turn = _turn(law, float(held.max(initial=1.0))) if held.size > 1 else None
-    if turn is None:
-        speed = np.array([strip_limit(law, 1.0, one).rear_speed_m_s for one in strains.ravel().tolist()])
-    else:
-        speed = _Waves(law, held, turn).unloaded_to(np.full_like(held, law.unstressed_stretch))[0]
-    return np.asarray(speed.reshape(strains.shape) / np.sqrt(density), dtype=np.float64)
 
 
 def _turn(law: Law, longest: float) -> float | None:

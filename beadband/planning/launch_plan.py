@@ -15,8 +15,9 @@ from beadband.model.validity import outside_test
 from beadband.notices import Notice, notice
 from beadband.parameters import MOST_STEPS, PLANNED
 from beadband.planning import error_curves
-from beadband.planning.plan import STEP_SHARE, Plan, plan_of
+from beadband.planning.plan import STEP_SHARE, Plan, plan_of, round_up
 from beadband.planning.sampling import given, interval_s
+from beadband.planning.self_contact import SelfContact, self_contact
 from beadband.statics.chain import Array
 from beadband.statics.finger import Support, finger_loads_n, settle_on
 from beadband.statics.ring import Ring, stretched_ring
@@ -31,7 +32,13 @@ CORE_DEPTH = 0.5
 """Depth over the thickness beyond which the contact counts as broken through, and LAMMPS stops."""
 SHORTEST_STRETCH = 0.05
 """Where the bond table of a launch begins: fronts that meet compress the band as no release does."""
+_NEARLY_NOTHING = 0.2
 _LEAST_COMPRESSION = 0.35  # measured: the deepest of the linear law at a strain of 1.4, whose beads buckle aside
+SMOOTH_LOSS = 15.0
+"""What the numerical loss takes from the efficiency where the law unloads without a shock, times beads^2 over the ratio
+of circumference to thickness: 10 to 16 in launches of the linear law (all bands, strains 0.2 to 0.7)."""
+BEADS_FOR_HAND = 560
+"""Fewest planned beads where a hand moves: with 280 the peak force on it is 3 to 7 % too high on short thick bands."""
 CAP = 3.0
 """Longest run, in units of what the string takes to be free and for its rear to arrive."""
 FRAMES = 100
@@ -40,10 +47,13 @@ _MOST_REAR_STEPS = 16  # the contact bounces in no less: its depth must not be m
 _IDLE_SHARE = 0.03
 _APPROACH = 1.5
 _NOSE = 0.5
+_GRAZE, _MOST_GRAZE = 0.4, 1.2
+"""Speed at which a bead is thrown against the finger, over the rear's: without a pause, and at most. The longer the
+band flies beside the finger the faster is its hardest graze; measured over the launch map: up to 0.4 where there is no
+pause, 0.6 in one of a quarter of the time on the finger, 1.15 in longer ones."""
 _ON_AXIS = 1e-9
 _REBOUND = 2.0  # speed of a bead that a faster finger throws ahead, over that of the finger
 _SOFTEST = 0.1  # least modulus over that at rest by which the reach of a hand's pull is estimated
-_GRAZE = 0.4  # speed of a graze over that of the rear; measured depths then stay below the bound
 
 
 @dataclass(frozen=True)
@@ -62,6 +72,8 @@ class LaunchPlan:
     idle_steps: int
     """The finger is free when it has carried nothing for so many steps."""
     flight_steps: int
+    self_contact: SelfContact | None
+    """None where parts of the band may pass through each other."""
 
     def __repr__(self) -> str:
         return f"<Launch by {self.release!r}>"
@@ -155,16 +167,27 @@ def launch_plan_of(scene: Scene) -> LaunchPlan:
     """Choose what the scene leaves open; UsageError for a choice of the user's that can't work."""
     # Beads and loss as the release takes them; a step that was chosen for the launch does not suit the release.
     bare = replace(scene, until="release", finger="stays", flight_s=0.0)
-    release = plan_of(replace(bare, timestep_s=None, frames=None, steps=None, rear_steps=None))
+    bare = replace(bare, timestep_s=None, frames=None, steps=None, rear_steps=None)
+    smooth = not _collapses(scene)
+    release = plan_of(bare, smooth=smooth)
+    needed = SMOOTH_LOSS * scene.band.circumference_m / (scene.band.thickness_m * release.scene.tolerance)
+    enough = [one for one in release.reasons if one.code.startswith("beads-for")]
+    if scene.beads is None and not scene.string.wave.shocks and release.beads < math.sqrt(needed):
+        release = plan_of(replace(bare, beads=round_up(math.sqrt(needed))), smooth=smooth)
+        enough = [notice("beads-for-launch", beads=release.beads, limit=100.0 * release.scene.tolerance)]
+    if scene.hand is not None and scene.beads is None and release.beads < BEADS_FOR_HAND:
+        release = plan_of(replace(bare, beads=BEADS_FOR_HAND), smooth=smooth)
+        enough = [notice("beads-for-hand", beads=BEADS_FOR_HAND)]
     strand, string = release.strand, string_launch(scene)
-    reasons = [one for one in release.reasons if one.code not in ("step", "frames")]
+    reasons = [*enough, *(one for one in release.reasons if one not in enough and one.code not in ("step", "frames"))]
     warnings = list(release.warnings)
 
     compression = min(_meeting_stretch(scene), 1.0)
     warnings += outside_test(scene, compression)
     largest = strand.largest_step_s(release.loss_time_s, scene.strain, compression)
     target = scene.timestep_s or min(release.timestep_s, STEP_SHARE * largest)
-    stiffness, limit = _contact(scene, strand, release.beads, target, largest, scene.timestep_s is None)
+    graze = min(_MOST_GRAZE, _GRAZE + max(0.0, string.pause_s / string.finger_free_s)) * scene.string.rear_speed_m_s
+    stiffness, limit = _contact(scene, strand, release.beads, target, largest, graze, scene.timestep_s is None)
     timestep = scene.timestep_s or min(target, STEP_SHARE * limit)
     if timestep > limit:
         raise UsageError(
@@ -187,6 +210,8 @@ def launch_plan_of(scene: Scene) -> LaunchPlan:
         )
     frames, looks = duration / (frame_steps * timestep), duration / (rear_steps * timestep)
     reasons.append(notice("launch-frames", frames=frames, rear=looks, steps=steps))
+    touching, reason = self_contact(scene, strand, string, stiffness, timestep, rear_steps)
+    reasons += [reason] if reason else []
     if string.pause_s < 0.0:
         warnings.append(notice("hand-is-hit", value=-string.pause_s))
     planned = tuple(key for key in PLANNED if getattr(scene, key) is None or key in scene.planned)
@@ -219,7 +244,23 @@ def launch_plan_of(scene: Scene) -> LaunchPlan:
         rear_steps=rear_steps,
         idle_steps=rear_steps * max(2, math.ceil(_IDLE_SHARE * string.finger_free_s / (rear_steps * timestep))),
         flight_steps=flight,
+        self_contact=touching,
     )
+
+
+def _collapses(scene: Scene) -> bool:
+    """Whether no bond at a stretch of :data:`_NEARLY_NOTHING` stops strands that run at each other: only loss helps.
+
+    The linear law's stress stays finite down to no length: with little loss its launches collapsed at a strain of 1.0,
+    and were sound at 0.8.
+    """
+    return _jump_pa(scene, _NEARLY_NOTHING) < scene.band.density_kg_m3 * scene.string.leg_speed_m_s**2
+
+
+def _jump_pa(scene: Scene, stretch: float) -> float:
+    """(stress1 - stress)(stretch1 - stretch), from the string's state behind the fronts."""
+    behind = 1.0 + scene.string.residual_strain
+    return (scene.string.residual_stress_pa - float(scene.material.stress(stretch))) * (behind - stretch)
 
 
 def _meeting_stretch(scene: Scene) -> float:
@@ -228,18 +269,16 @@ def _meeting_stretch(scene: Scene) -> float:
     The jump condition density u^2 = (stress1 - stress)(stretch1 - stretch) with the string's state behind the fronts.
     Measured bonds come within some hundredths of it, and stay longer where they can buckle aside.
     """
-    string, law, density = scene.string, scene.material, scene.band.density_kg_m3
-    behind = 1.0 + string.residual_strain
+    behind = 1.0 + scene.string.residual_strain
     for i in range(200):
         stretch = behind - (behind - _LEAST_COMPRESSION) * i / 199.0
-        jump = (string.residual_stress_pa - float(law.stress(stretch))) * (behind - stretch)
-        if jump > density * string.leg_speed_m_s**2:
+        if _jump_pa(scene, stretch) > scene.band.density_kg_m3 * scene.string.leg_speed_m_s**2:
             return stretch
     return _LEAST_COMPRESSION
 
 
 def _contact(
-    scene: Scene, strand: Strand, beads: int, step_s: float, largest_s: float, free: bool
+    scene: Scene, strand: Strand, beads: int, step_s: float, largest_s: float, graze_m_s: float, free: bool
 ) -> tuple[float, float]:
     """Stiffness of the finger for one bead, N/m, and the largest step with it.
 
@@ -252,12 +291,11 @@ def _contact(
     mass, held = strand.bead_mass_kg, 1.0 + scene.strain
     # A wave in a leg throws beads against the finger: one at the speed v goes in by v sqrt(mass/stiffness).
     # Against a hand as light as the band they come at up to the speed of the rear, and it may come at them.
-    graze = _GRAZE * scene.string.rear_speed_m_s
     if scene.hand is not None:
         share = strand.bead_mass_kg * beads * scene.hand.inverse_mass_1_kg
-        graze += (1.0 - _GRAZE) * scene.string.rear_speed_m_s * share / (1.0 + share)
-        graze += _REBOUND * abs(scene.hand.velocity_m_s)
-    needed = max(needed, mass * (graze / (DEPTH_BOUND * scene.band.thickness_m)) ** 2)
+        graze_m_s += max(0.0, scene.string.rear_speed_m_s - graze_m_s) * share / (1.0 + share)
+        graze_m_s += _REBOUND * abs(scene.hand.velocity_m_s)
+    needed = max(needed, mass * (graze_m_s / (DEPTH_BOUND * scene.band.thickness_m)) ** 2)
     # A bead on the finger moves across the strand, which resists by its bending and by its tension.
     bending = (4.0 * strand.bending_diffusivity_m2_s / (strand.spacing_m**2 * min(1.0, held))) ** 2
     pull = 4.0 * strand.law.stress(held) / (held * strand.density_kg_m3 * strand.spacing_m**2)

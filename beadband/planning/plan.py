@@ -113,12 +113,12 @@ class Plan:
         return error_curves.disk_bytes(self.beads, self.frames, self.steps // self.rear_steps)
 
 
-def plan_of(scene: Scene, model: str = "ring") -> Plan:
+def plan_of(scene: Scene, model: str = "ring", smooth: bool = True) -> Plan:
     """Plan a release: choose what the scene leaves open; UsageError for a choice of the user's that can't work.
 
     ``model`` is "ring" where the whole trajectory is wanted, and "leg" for numbers alone: where one leg won't do the
-    ring is taken all the same. A strip is always computed whole. A launch is planned by
-    :func:`beadband.planning.plan_scene`.
+    ring is taken all the same. A strip is always computed whole. A law that unloads without a shock gets less loss,
+    unless ``smooth`` is false. A launch is planned by :func:`beadband.planning.plan_scene`.
     """
     if scene.until == "launch":
         raise UsageError(explain("this plans releases only", "until launch", "until release", "use beadband.plan"))
@@ -137,7 +137,7 @@ def plan_of(scene: Scene, model: str = "ring") -> Plan:
     strand = scene.strand(beads)
     if model == "leg" and viscous_front_m(scene) > max(WIDEST_FRONT * length, 2.0 * strand.spacing_m):
         model = "ring"
-    loss_time, loss_beads = _choose_loss(scene, strand, reasons)
+    loss_time, loss_beads = _choose_loss(scene, strand, smooth, reasons)
     compression = _compression(scene, loss_beads, warnings)
     largest = strand.largest_step_s(loss_time, scene.strain, compression)
     if scene.timestep_s is not None and scene.timestep_s > largest:
@@ -248,7 +248,7 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
         spacing = error_curves.curvature_spacing_m(scene)
         for_curvature = length / spacing
         if wanted < for_curvature <= MOST_PLANNED_BEADS:
-            beads = _round_up(for_curvature)
+            beads = round_up(for_curvature)
             reasons.append(
                 notice(
                     "beads-for-curvature",
@@ -256,7 +256,7 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
                     layer_mm=layer * 1e3,
                     value=spacing / layer,
                     spacing_mm=spacing * 1e3,
-                    for_speed=_round_up(wanted),
+                    for_speed=round_up(wanted),
                 )
             )
             return beads
@@ -268,20 +268,20 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
         warnings.append(
             notice("speed-needs-more-beads", value=wanted, tolerance=100.0 * scene.tolerance, limit=MOST_PLANNED_BEADS)
         )
-    beads = _round_up(min(wanted, MOST_PLANNED_BEADS))
+    beads = round_up(min(wanted, MOST_PLANNED_BEADS))
     code = "beads-for-strip" if model == "strip" else "beads-for-speed"
     value, limit = needed * rear / length, 100.0 * scene.tolerance
     reasons.append(notice(code, beads=beads, rear_mm=rear * 1e3, value=value, limit=limit))
     return beads
 
 
-def _round_up(beads: float) -> int:
+def round_up(beads: float) -> int:
     """To a number whose half is even, so that the coarse run has it too; a round one where that costs little."""
     step = 20 if beads > 200.0 else 4
     return step * math.ceil(beads / step)
 
 
-def _choose_loss(scene: Scene, strand: Strand, reasons: list[Notice]) -> tuple[float, float]:
+def _choose_loss(scene: Scene, strand: Strand, smooth: bool, reasons: list[Notice]) -> tuple[float, float]:
     """Loss time in s, and the viscous stress of a front over that of its inertia between two beads.
 
     The loss time is defined by E, which need not be the law's.
@@ -293,7 +293,7 @@ def _choose_loss(scene: Scene, strand: Strand, reasons: list[Notice]) -> tuple[f
     resolution = scene.scales.rear_length_m / strand.spacing_m
     # Without a kink the loss does nothing to a sharp front but make it smooth, so that its middle can be told.
     sharp = scene.is_strip and scene.string.wave.kind == SHARP_FRONT
-    if scene.string.wave.shocks or sharp or resolution <= SMOOTH_RESOLUTION:
+    if scene.string.wave.shocks or sharp or not smooth or resolution <= SMOOTH_RESOLUTION:
         reasons.append(notice("loss", value=LOSS_BEADS * front_loss_s, limit=LOSS_BEADS))
         return LOSS_BEADS * front_loss_s, LOSS_BEADS
     loss_beads = LOSS_BEADS * SMOOTH_RESOLUTION / resolution

@@ -6,8 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
+from beadband.analysis.fits import Measured
 from beadband.reporting.style import SCREEN, Style
+from beadband.reporting.summary import aligned
+from beadband.studies.design.optimum import Design
 from beadband.studies.design.sensitivity import CONFIDENCE, Sensitivity
+from beadband.studies.design.values import NAMES
 from beadband.studies.palette import PALETTE
 
 
@@ -32,14 +36,37 @@ def sensitivity(found: Sensitivity) -> str:
             low, high = row[f"{name}_low"], row[f"{name}_high"]
             cells += [_share(row[name]), f"{_share(low)} to {_share(high)}"]
         table.append((found.ranges[at].option, row["range"], *cells))
-    widths = [max(len(line[column]) for line in table) for column in range(len(table[0]))]
-    for line in table:
-        cells = [
-            cell.ljust(width) if at < 2 else cell.rjust(width)
-            for at, (cell, width) in enumerate(zip(line, widths, strict=True))
-        ]
-        lines.append("  ".join(cells).rstrip())
-    return "\n".join([*lines, f"sum of the first orders {found.indices.first.sum():.3f}"])
+    return "\n".join([*lines, *aligned(table), f"sum of the first orders {found.indices.first.sum():.3f}"])
+
+
+def design(found: Design) -> str:
+    """The best scene: its goal, its inputs, what is kept, and the closed forms of it."""
+    unit = f" {found.unit}" if found.unit else ""
+    text = str(Measured(found.value, found.error)) if found.error else f"{found.value:.6g}"
+    lines = [f"{found.goal.sentence}  {text}{unit}, the {'least' if found.least else 'largest'} in these ranges"]
+    if found.confirmed is not None:
+        lines.append(f"  by a run of it  {found.confirmed}{unit}")
+    lines += [
+        f"  {found.evaluations} scenes in {found.seconds:.2g} s, {found.runs} of them by runs",
+        *(f"  kept: {one}" for one in found.kept),
+        "",
+    ]
+    rows = [("input", "range", "best", "d ln goal/d ln input")]
+    for one in found.ranges:
+        value, slope = found.values[one.key], found.slopes.get(one.key)
+        rows.append((one.option, str(one), one.shown(value), "" if slope is None else f"{slope:.4f}"))
+    figures = [(key, value) for key, value in found.figures.items() if value is not None]
+    return "\n".join([*lines, *aligned(rows), "", *_figures(figures), "", f"as options: {found.options}"])
+
+
+def _figures(figures: list[tuple[str, float]]) -> list[str]:
+    known = {one.key: one for one in NAMES.values()}
+    rows = [
+        (known[key].name, known[key].sentence, f"{value:.4g} {known[key].unit}".rstrip())
+        for key, value in figures
+        if key in known
+    ]
+    return aligned(rows)
 
 
 def _share(value: float) -> str:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from beadband.analysis.readers import Trajectory
+from beadband.model.flight import path_m
 from beadband.model.launch_string import finger_force_n
-from beadband.reporting.plots import BLUE, GREY, ORANGE, Panels, draw_panels, shapes, shares
+from beadband.reporting.plots import BLUE, GREEN, GREY, ORANGE, Panels, draw_panels, shapes, shares
 from beadband.reporting.style import SCREEN, Style
 from beadband.reporting.summary import title_of
 
@@ -28,15 +30,19 @@ def draw(done: Launch, ring: Trajectory, folder: str | os.PathLike[str], style: 
         "clearance": lambda axes: clearance(axes, done),
         "energy": lambda axes: energy(axes, done),
     }
+    if done.flight is not None:
+        panels["flight"] = lambda axes: flight(axes, done)
     return draw_panels(panels, title, folder, style)
 
 
 def _pause(axes: Any, done: Launch) -> None:
-    """Shade the time from the finger's freedom to the rear's arrival."""
+    """Shade the time from the finger's freedom to the rear's arrival; a line marks when the band touches itself."""
     found = done.found
     if found.finger_free_s is not None and found.rear_arrival_s is not None:
         span = found.finger_free_s * 1e3, found.rear_arrival_s * 1e3
         axes.axvspan(*span, color=_SAND, zorder=0, label=f"pause: {span[1] - span[0]:.3g} ms")
+    if done.self_touch_s is not None:
+        axes.axvline(done.self_touch_s * 1e3, color=GREEN, linewidth=1.0, linestyle=":", label="touches itself")
 
 
 def finger(axes: Any, done: Launch) -> None:
@@ -77,6 +83,21 @@ def clearance(axes: Any, done: Launch) -> None:
     right.set_ylim(0.0, 1.15 * max(speed.max(), done.launch_plan.string.centre_of_mass_speed_m_s))
     lines = [line for part in (axes, right) for line in part.get_legend_handles_labels()[0]]
     axes.legend(lines, [line.get_label() for line in lines], fontsize=8, loc="center left", frameon=False)
+
+
+def flight(axes: Any, done: Launch) -> None:
+    """The path to the ground, in air and without."""
+    throw, scene = done.flight, done.scene
+    assert throw is not None
+    assert scene.elevation_deg is not None
+    thrown = (throw.speed_m_s, math.radians(scene.elevation_deg), scene.height_m)
+    if throw.drag_length_m is not None:
+        text = f"in air: {throw.range} m"
+        axes.plot(*path_m(*thrown, throw.drag_length_m).T, color=BLUE, label=text)
+        axes.errorbar([throw.range.value], [0.0], xerr=[throw.range.error], color=BLUE, capsize=3)
+    axes.plot(*path_m(*thrown).T, color=GREY, linestyle="--", label=f"without air: {throw.vacuum.range_m:.3g} m")
+    axes.set(xlabel="way (m)", ylabel="height (m)", title=f"flight, thrown at {scene.elevation_deg:g}°")
+    axes.legend(fontsize=8, frameon=False)
 
 
 def energy(axes: Any, done: Launch) -> None:

@@ -29,6 +29,7 @@ _WIDTH_INCHES, _DPI = 8.0, 100
 _GIF_COLOURS = 255
 _NEARLY_WHITE = 246  # Pillow looks up colours in coarse boxes: what shares one with the white sheet must be white
 _INK, _SOFT, _FINGER, _EDGE, _GHOST = "#1d2126", "#59616b", "#e6dfd4", "#b9ad9a", "#b5b0a8"
+_HIT = "#D55E00"
 
 
 def write(
@@ -143,16 +144,20 @@ def _film(story: Story, writer: Any, path: Path, coloured_by: str, progress: Cal
     closed = _joined(story)
     band = LineCollection([], linewidths=_points(figure, axes, story.thickness_m), capstyle="round", animated=True)
     axes.add_collection(band, autolim=False)
+    (rings,) = axes.plot([], [], "o", markersize=11, markerfacecolor="none", markeredgecolor=_SOFT, animated=True)
     title = figure.text(0.5, 0.955, "", ha="center", va="center", fontsize=13, color=_INK, animated=True)
     speeds = np.interp(story.times_s, story.tip_times_s, story.tip_speed_m_s)
     with writer.saving(figure, str(path), _DPI):
-        figure.hold_still([*finger, band, title])
+        figure.hold_still([*finger, band, rings, title])
         for frame, time in enumerate(story.times_s.tolist()):
             points = closed[frame]
             for artist in finger:
                 artist.set_visible(story.finger.until_s is None or time < story.finger.until_s)
+            _move_finger(finger, story, frame)
             band.set_segments(list(np.stack([points[:-1], points[1:]], axis=1)))
             band.set_color(row(scale.place(values[frame, : len(points) - 1])))
+            if story.touches_m:
+                rings.set_data(*story.touches_m[frame].T)
             speed = f"V = {speeds[frame]:5.2f} m/s" if frame else "held"
             title.set_text(f"t = {time * 1e3:.2f} ms    {speed}")
             writer.grab_frame()
@@ -182,8 +187,9 @@ def _row(scale: colour.Scale) -> Any:
 def _box(story: Story) -> tuple[Array, Array]:
     """Corners of what is seen: band and finger at all times, m."""
     edge, radius = 1.5 * story.thickness_m, story.finger.radius_m
-    low = np.minimum(story.positions_m.min(axis=(0, 1)), [story.finger.centre_m - radius, -radius])
-    high = np.maximum(story.positions_m.max(axis=(0, 1)), [story.finger.centre_m + radius, radius])
+    nearest, farthest = story.finger.reach_m()
+    low = np.minimum(story.positions_m.min(axis=(0, 1)), [nearest, -radius])
+    high = np.maximum(story.positions_m.max(axis=(0, 1)), [farthest, radius])
     # A strip is flat: room for the bar below it.
     beside = np.array([0.0, 0.06 * float(high[0] - low[0]) if story.open else 0.0])
     return low - edge - beside, high + edge + beside
@@ -248,7 +254,18 @@ def _draw_finger(axes: Any, story: Story) -> list[Any]:
     centre, inner = (story.finger.centre_m, 0.0), story.finger.radius_m - 0.5 * story.thickness_m
     circle = axes.add_patch(Circle(centre, inner, facecolor=_FINGER, edgecolor=_EDGE, animated=True))
     name = axes.text(*centre, "finger", ha="center", va="center", color=_SOFT, fontsize=10, animated=True)
-    return [circle, name]
+    (mark,) = axes.plot([], [], marker="*", markersize=16, color=_HIT, zorder=5, animated=True)
+    return [circle, name, mark]
+
+
+def _move_finger(parts: list[Any], story: Story, frame: int) -> None:
+    """Take the finger to its place at a frame, and mark the hit in the last one before it."""
+    circle, name, mark = parts
+    x = story.finger.at(frame)
+    circle.set_center((x, 0.0))
+    name.set_position((x, 0.0))
+    hit = story.finger.hit_s is not None and frame == story.frames - 1
+    mark.set_data([x - story.finger.radius_m] if hit else [], [0.0] if hit else [])
 
 
 def _draw_still(figure: Any, axes: Any, story: Story, scale: colour.Scale, row: Any) -> None:

@@ -98,7 +98,7 @@ const box = (() => {
   let highX = 0, highY = 0;
   for (let i = 0; i < place.length; i += 2) { highX = Math.max(highX, place[i]); highY = Math.max(highY, place[i + 1]); }
   const edge = story.thickness_m, r = finger.radius_m;
-  const x0 = Math.min(lowX, finger.centre_m - r) - edge, x1 = Math.max(lowX + highX * stepM, finger.centre_m + r) + edge;
+  const x0 = Math.min(lowX, finger.reach_m[0]) - edge, x1 = Math.max(lowX + highX * stepM, finger.reach_m[1]) + edge;
   const y0 = Math.min(lowY, -r) - edge, y1 = Math.max(lowY + highY * stepM, r) + edge;
   return {x0, y0, width: x1 - x0, height: y1 - y0};
 })();
@@ -106,6 +106,12 @@ const shade = (name) => getComputedStyle(document.documentElement).getPropertyVa
 const screenInk = () => ({finger: shade("--finger"), edge: shade("--finger-edge"), ghost: shade("--ghost"), soft: shade("--soft")});
 const paperInk = {finger: "#e6dfd4", edge: "#b9ad9a", ghost: "#b5b0a8", soft: "#444"};
 
+// A hand moves its finger; the last frame is the one before the hit.
+function fingerAt(t) {
+  if (finger.way_m === null) return finger.centre_m;
+  const [low, high, share] = frameAt(t);
+  return finger.centre_m + finger.way_m[low] + share * (finger.way_m[high] - finger.way_m[low]);
+}
 function outline(context, frame, toX, toY) {
   context.beginPath();
   for (let i = 0, k = 2 * frame * beads; i < beads; i++, k += 2) context.lineTo(toX(place[k]), toY(place[k + 1]));
@@ -123,12 +129,12 @@ function paint(canvas, width, height, density, t, ink) {
   const thick = Math.max(zoom * story.thickness_m, 2);
   if (!story.open && (finger.until_s === null || t < finger.until_s)) {
     context.beginPath();
-    const radius = Math.max(zoom * finger.radius_m - thick / 2, 1);
-    context.arc(left + zoom * (finger.centre_m - box.x0), top + zoom * (box.y0 + box.height), radius, 0, 2 * Math.PI);
+    const radius = Math.max(zoom * finger.radius_m - thick / 2, 1), centre = left + zoom * (fingerAt(t) - box.x0);
+    context.arc(centre, top + zoom * (box.y0 + box.height), radius, 0, 2 * Math.PI);
     context.fillStyle = ink.finger; context.fill();
     context.strokeStyle = ink.edge; context.lineWidth = 1; context.stroke();
     context.fillStyle = ink.soft; context.font = "13px system-ui, sans-serif"; context.textAlign = "center";
-    context.fillText("finger", left + zoom * (finger.centre_m - box.x0), top + zoom * (box.y0 + box.height) + 4);
+    context.fillText("finger", centre, top + zoom * (box.y0 + box.height) + 4);
   }
   if (story.peg) {
     context.beginPath();
@@ -154,6 +160,21 @@ function paint(canvas, width, height, density, t, ink) {
     do { i++; context.lineTo(x(i % beads), y(i % beads)); } while (i < bonds && colour(i) === here);
     context.strokeStyle = scale.row[here];
     context.stroke();
+  }
+
+  // Where parts of the band touch each other.
+  context.strokeStyle = ink.soft; context.lineWidth = 1.5;
+  for (const [px, py] of story.touches_m[share < 0.5 ? low : high] ?? []) {
+    context.beginPath();
+    context.arc(left + zoom * (px - box.x0), top + zoom * (box.y0 + box.height - py), thick + 4, 0, 2 * Math.PI);
+    context.stroke();
+  }
+  if (finger.hit_s !== null && t >= times[frames - 1]) {
+    context.beginPath();
+    context.arc(left + zoom * (fingerAt(t) - finger.radius_m - box.x0), top + zoom * (box.y0 + box.height), 3 * thick, 0, 2 * Math.PI);
+    context.strokeStyle = "#D55E00"; context.lineWidth = 3; context.stroke();
+    context.fillStyle = "#D55E00"; context.font = "13px system-ui, sans-serif"; context.textAlign = "right";
+    context.fillText(`hit at ${short(1e3 * finger.hit_s)} ms`, left + zoom * (fingerAt(t) - finger.radius_m - box.x0) - 4 * thick, top + zoom * (box.y0 + box.height) - 3 * thick);
   }
 
   // A bar to measure with.

@@ -11,7 +11,7 @@ import json
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib.resources import files as resources
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beadband.reporting import colour
-from beadband.reporting.report_data import Chart, Curve, Story, read_story
+from beadband.reporting.report_data import Chart, Curve, Finger, Story, read_story
 from beadband.runs import folder as files
 
 Array = NDArray[np.float64]
@@ -118,8 +118,9 @@ def as_dict(story: Story) -> dict[str, Any]:
             for scale, values in scales.values()
         ],
         "thickness_m": story.thickness_m,
-        "finger": asdict(story.finger),
-        "peg": asdict(story.peg) if story.peg else None,
+        "touches_m": [story.touches_m[frame].tolist() for frame in frames] if story.touches_m else [],
+        "finger": _finger(story.finger, frames),
+        "peg": _finger(story.peg, frames) if story.peg else None,
         "charts": [_chart(chart) for chart in story.charts],
         "results": [[_signs(name), _signs(text)] for name, text in story.results],
         "scene": story.scene,
@@ -155,6 +156,12 @@ def _packed(values: NDArray[np.uint16]) -> str:
 def _thinned(count: int, most: int) -> NDArray[np.int64]:
     """Indices from the first to the last, at equal distances and no more than ``most``."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
+def _finger(finger: Finger, frames: Any) -> dict[str, Any]:
+    """A finger or a peg, its way at the frames that are kept."""
+    way = None if finger.way_m is None else _digits(finger.way_m[frames])
+    return {**asdict(replace(finger, way_m=None)), "way_m": way, "reach_m": finger.reach_m()}
 
 
 def _digits(values: Array) -> list[float]:

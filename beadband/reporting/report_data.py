@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from beadband.analysis.contact import touching_m
 from beadband.analysis.curvature import bond_stretch, ring_curvature
 from beadband.analysis.energy import Balance
 from beadband.analysis.fits import Array, Measured
@@ -21,9 +22,13 @@ from beadband.errors import UsageError, explain
 from beadband.model.beam import at_rest_curvature, eq7_curvature
 from beadband.model.scales import SPEED_WINDOW
 from beadband.notices import percent
+from beadband.planning.self_contact import NEAR
 from beadband.runs import folder as files
 from beadband.runs.rear_run import reading_users_files
 from beadband.runs.strip_results import StripRun
+
+_TOUCHING = 1.05
+"""Distance over the thickness below which parts are drawn as touching: a frame is a mean over its interval."""
 
 Rows = tuple[tuple[str, str], ...]
 
@@ -64,6 +69,19 @@ class Finger:
     radius_m: float
     until_s: float | None = None
     """When it is withdrawn; None if it stays."""
+    way_m: Array | None = None
+    """How far a hand has moved it along x at each frame of the story, shape (frames,); None where it stays."""
+    hit_s: float | None = None
+    """When the rear hits a hand."""
+
+    def at(self, frame: int) -> float:
+        """x of its axis at a frame."""
+        return self.centre_m + (0.0 if self.way_m is None else float(self.way_m[frame]))
+
+    def reach_m(self) -> tuple[float, float]:
+        """Lowest and highest x that it takes up over all frames."""
+        ways = np.zeros(1) if self.way_m is None else self.way_m
+        return self.centre_m + float(ways.min()) - self.radius_m, self.centre_m + float(ways.max()) + self.radius_m
 
 
 @dataclass(frozen=True)
@@ -96,6 +114,8 @@ class Story:
     notes: tuple[str, ...]
     open: bool = False
     """Whether the last bead is not joined to the first: a strip, straight, without a finger."""
+    touches_m: tuple[Array, ...] = ()
+    """Places (places, 2) of each frame where parts of the band touch each other; empty where none ever do."""
 
     @property
     def frames(self) -> int:
@@ -162,6 +182,7 @@ def tell(
     series = results["series"]
     radius = scene.get("tip_radius_m")
     free = launch.get("finger_free_s") if launch and scene.get("finger") == "clears" else None
+    touches = _touches(launch or {}, scene["thickness_m"], spacing, times_s, positions_m)
     return Story(
         name=name,
         title=", ".join(
@@ -179,7 +200,7 @@ def tell(
         stretch=_stretch(positions_m, spacing, strip is None),
         curvature_1_m=np.zeros(positions_m.shape[:2]) if strip else ring_curvature(positions_m, spacing),
         thickness_m=scene["thickness_m"],
-        finger=Finger(held["finger_centre_m"] or 0.0, held["finger_radius_m"] or 0.0, free),
+        finger=Finger(held["finger_centre_m"] or 0.0, held["finger_radius_m"] or 0.0, free, *_hand(launch, times_s)),
         peg=Finger(radius, radius, 0.0) if radius else None,
         tip_times_s=_array(series["t_s"]),
         tip_speed_m_s=_array(series["tip_speed_m_s"]),
@@ -196,8 +217,24 @@ def tell(
         notes=(
             "Every frame but the first is an average over the interval before it, drawn at its midpoint.",
             "The thickness of the band is to scale.",
+            *(["Rings mark where parts of the band touch each other."] if touches else []),
         ),
         open=strip is not None,
+        touches_m=touches,
+    )
+
+
+def _touches(
+    launch: Mapping[str, Any], thickness_m: float, spacing_m: float, times_s: Array, positions_m: Array
+) -> tuple[Array, ...]:
+    first = launch.get("self_touch_s")
+    if first is None:
+        return ()
+    near = math.ceil(NEAR * thickness_m / spacing_m)
+    none = np.empty((0, 2))
+    return tuple(
+        touching_m(frame, _TOUCHING * thickness_m, near) if time >= first else none
+        for time, frame in zip(times_s.tolist(), positions_m, strict=True)
     )
 
 
@@ -226,6 +263,11 @@ def _headline(results: Mapping[str, Any]) -> str:
     )
     launch = results.get("launch") or {}
     free, arrival, pause = (launch.get(key) for key in ("finger_free_s", "rear_arrival_s", "pause_s"))
+    felt = launch.get("hand") or {}
+    if felt.get("hit") and felt.get("hit_speed_m_s") is not None:
+        text = f"{text} It hits the hand at {felt['hit_speed_m_s']:.3g} m/s."
+    elif felt:
+        text = f"{text} It does not hit the hand."
     if free is None or arrival is None or pause is None:
         return text
     return (
@@ -241,15 +283,16 @@ def _speed_chart(results: Mapping[str, Any]) -> Chart:
     times = _array(series["t_s"])
     window = np.array(SPEED_WINDOW) * results["front_arrival_s"]
     ends = times[[0, -1]]
+    end, limit = ("released end", "exact") if "strip" in results else ("rear tip", "string limit (EI → 0)")
     curves = [
-        Curve("rear tip", times, _array(series["tip_speed_m_s"])),
-        Curve("string limit (EI → 0)", ends, np.full(2, results["string_speed_m_s"]), "dashed"),
+        Curve(end, times, _array(series["tip_speed_m_s"])),
+        Curve(limit, ends, np.full(2, results["string_speed_m_s"]), "dashed"),
         Curve("V, slope of the path", window, np.full(2, speed), "bold"),
     ]
     moving = (results.get("launch") or {}).get("series") or {}
     if moving.get("centre_speed_m_s"):
         curves.insert(1, Curve("centre of mass", _array(moving["t_s"]), _array(moving["centre_speed_m_s"])))
-    return Chart("speed", "Speed of the rear tip", "m/s", tuple(curves))
+    return Chart("speed", f"Speed of the {end}", "m/s", tuple(curves))
 
 
 def _curvature_chart(results: Mapping[str, Any]) -> Chart:
@@ -309,6 +352,15 @@ def _energy_chart(energies: Balance) -> Chart:
     )
 
 
+def _hand(launch: Mapping[str, Any] | None, times_s: Array) -> tuple[Array | None, float | None]:
+    """The way of a hand at the frames, and when it is hit."""
+    felt, series = (launch or {}).get("hand"), (launch or {}).get("series") or {}
+    if not felt or not series.get("hand_x_m"):
+        return None, None
+    way: Array = np.interp(times_s, _array(series["t_s"]), _array(series["hand_x_m"]))
+    return way, felt.get("hit_s")
+
+
 def _launch_charts(launch: Mapping[str, Any]) -> list[Chart]:
     """Force of the finger and clearance, as far as the run has them."""
     series = launch.get("series") or {}
@@ -318,10 +370,15 @@ def _launch_charts(launch: Mapping[str, Any]) -> list[Chart]:
     for key, title, unit, factor in (
         ("finger_force_n", "Force on the finger", "N", 1.0),
         ("clearance_m", "Clearance of the rear", "mm", 1e3),
+        ("hand_x_m", "Way of the hand", "mm", 1e3),
     ):
         if series.get(key):
             curve = Curve(title.lower(), _array(series["t_s"]), factor * _array(series[key]))
             charts.append(Chart(key, title, unit, (curve,), pause, "pause: the finger is free" if pause else ""))
+    if launch.get("self_touch_s") is not None:
+        overlap = 100.0 * _array(series["overlap_m"]) / launch["self_contact"]["distance_m"]
+        curve = Curve("overlap", _array(series["t_s"]), overlap)
+        charts.append(Chart("overlap", "Overlap of parts of the band, at most", "% of its thickness", (curve,)))
     return charts
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from beadband import observables
@@ -36,6 +36,18 @@ _BAND_COLUMNS: tuple[tuple[str, str, str, float, str], ...] = (
 )
 
 
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of cells as lines of columns: the first two to the left, numbers to the right."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    return [
+        "  ".join(
+            cell.ljust(width) if i < 2 else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in rows
+    ]
+
+
 def bands(rows: list[dict[str, Any]]) -> str:
     """The catalogue as a table, a column for each band."""
     lines = [["band", "", *(row["name"] for row in rows)], ["section", "", *(row["section"] for row in rows)]]
@@ -49,14 +61,7 @@ def bands(rows: list[dict[str, Any]]) -> str:
             cells = ["-" if row.get(key) is None else _constant_text(row[key]) for row in rows]
             lines.append([TABLE[key].symbol or key, TABLE[key].unit, *cells])
     lines.append(["law", "", *(row["law"] for row in rows)])
-    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
-    text = [
-        "  ".join(
-            cell.ljust(width) if i < 2 else cell.rjust(width)
-            for i, (cell, width) in enumerate(zip(line, widths, strict=True))
-        )
-        for line in lines
-    ]
+    text = aligned(lines)
     notes = (
         "h is the diameter of a circular section. E is the stated modulus; E0 is that of the law at rest, for",
         "Mooney-Rivlin 6 (C10 + C01). Peak strain: where the tension peaks and a uniform hold ends.",

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beadband.errors import UsageError, explain
 from beadband.lammps.engine import Session, kept_session
-from beadband.model.formula import STATED, VARIED, formula, shares_law, varies_together
+from beadband.model.formula import STATED, VARIED, formula, own_constants, shares_law, varies_together
 from beadband.model.laws import LAWS
 from beadband.model.scene import Scene, scene_of
 from beadband.parameters import TABLE, Parameter, checked
@@ -22,9 +21,6 @@ from beadband.planning.ladder import MOST_SECONDS
 from beadband.runs.ask import UNITS, Answer, answer_by_formula, ask, question_of
 
 Array = NDArray[np.float64]
-
-TOO_MANY_RUNS = "too-many-runs"
-"""Code of the error for scenes of which more than allowed would be run."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,18 +56,27 @@ def arrays_among(values: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
     }
 
 
-def ask_many(
-    values: Mapping[str, Any], quantity: str = "speed", session: Session | None = None, most_runs: float = math.inf
-) -> Answers:
-    """Answers for the scenes that values with arrays among them make, in the order of the arrays.
+class Looked(NamedTuple):
+    """What the formula says of many scenes."""
 
-    Sizes, strains, angles and densities may vary within one evaluation of the formula, and so may the constants of a
-    law that softens; for every other value with several entries the scenes are taken one kind after another. What the
-    formula does not reach is run, scene by scene.
-    UsageError as :func:`beadband.runs.ask.ask`, for the first scene that has no answer, and where more than
-    ``most_runs`` scenes would be run.
-    """
-    start = time.perf_counter()
+    plain: Mapping[str, Any]
+    flat: Mapping[str, NDArray[Any]]
+    """Values that are the same for all scenes, and the others as arrays of shape (scenes,)."""
+    shape: tuple[int, ...]
+    """To which the arrays broadcast."""
+    value: Array
+    error: Array
+    """Of shape (scenes,); the error is infinite where there is no formula."""
+    left: NDArray[np.int64]
+    """Places of the scenes whose error is above their tolerance."""
+
+    def scene(self, at: int) -> Scene:
+        """The scene at a place; UsageError where it has no answer."""
+        return scene_of({**self.plain, **{key: each[at].item() for key, each in self.flat.items()}})
+
+
+def looked_up(values: Mapping[str, Any], quantity: str) -> Looked:
+    """Answers by formula for the scenes that values with arrays among them make; UsageError as :func:`ask_many`."""
     arrays = arrays_among(values)
     shape = np.broadcast_shapes(*(one.shape for one in arrays.values()))
     flat = {key: np.broadcast_to(one, shape).ravel() for key, one in arrays.items()}
@@ -80,29 +85,31 @@ def ask_many(
     if size == 0:
         raise UsageError(explain("there is nothing to ask", f"arrays of shape {shape}", "one scene or more", "add one"))
     value, error = np.zeros(size), np.full(size, np.inf)
-    model, runs, beads = np.full(size, "formula"), np.zeros(size, dtype=np.int64), np.zeros(size, dtype=np.int64)
-    within = np.ones(size, dtype=bool)
     for chosen, scene, varied in alike(plain, flat, size):
-        if by_formula(scene):
+        if has_formula(scene):
             found = formula(scene, quantity, varied)
             value[chosen], error[chosen] = found.value, found.error
     tolerance = _checked(TABLE["tolerance"], flat["tolerance"]) if "tolerance" in flat else scene.tolerance
-    left = np.flatnonzero(error > tolerance * np.abs(value))
-    if len(left):
+    return Looked(plain, flat, shape, value, error, np.flatnonzero(error > tolerance * np.abs(value)))
 
-        def scene_at(at: int) -> Scene:
-            return scene_of({**plain, **{key: each[at].item() for key, each in flat.items()}})
 
-        if len(left) > most_runs:
-            question_of(scene_at(int(left[0])), quantity)
-            found_by = f"{len(left)} of {size} scenes"
-            allowed = f"at most {most_runs} scenes by runs"
-            advice = "narrow the ranges, raise --tolerance, or take fewer points"
-            wrong = "the formula does not reach the tolerance"
-            raise UsageError(explain(wrong, found_by, allowed, advice), TOO_MANY_RUNS)
+def ask_many(values: Mapping[str, Any], quantity: str = "speed", session: Session | None = None) -> Answers:
+    """Answers for the scenes that values with arrays among them make, in the order of the arrays.
+
+    Sizes, strains, angles and densities may vary within one evaluation of the formula, and so may the constants of a
+    law that softens; for every other value with several entries the scenes are taken one kind after another. What the
+    formula does not reach is run, scene by scene.
+    UsageError as :func:`beadband.runs.ask.ask`, for the first scene that has no answer.
+    """
+    start = time.perf_counter()
+    looked = looked_up(values, quantity)
+    shape, value, error, size = looked.shape, looked.value, looked.error, len(looked.value)
+    model, runs, beads = np.full(size, "formula"), np.zeros(size, dtype=np.int64), np.zeros(size, dtype=np.int64)
+    within = np.ones(size, dtype=bool)
+    if len(looked.left):
         with kept_session() if session is None else nullcontext(session) as shared:
-            for at in left.tolist():
-                one = ask(scene_at(at), quantity, shared)
+            for at in looked.left.tolist():
+                one = ask(looked.scene(at), quantity, shared)
                 value[at], error[at], model[at], runs[at], beads[at] = (
                     one.value,
                     one.error,
@@ -140,7 +147,7 @@ def alike(
     while kinds:
         chosen = kinds.pop(0)
         scene = scene_of({**plain, **{key: one[chosen[0]].item() for key, one in flat.items()}})
-        ranges = {**TABLE, **{one.key: one for one in scene.material.constants()}}
+        ranges = {**TABLE, **own_constants(scene)}
         varied = {key: _checked(ranges[key], flat[key][chosen]) for key in (*VARIED, *constants) if key in flat}
         if not varies_together(scene, varied):
             parts = kinds_among([flat[key][chosen] for key in constants], len(chosen))
@@ -213,11 +220,11 @@ def _base(rest: tuple[tuple[str, Any], ...], varied: tuple[tuple[str, Any], ...]
         if len(_bases) >= _MOST_BASES:
             _bases.clear()
         scene = scene_of(dict((*rest, *varied)))
-        _bases[key] = scene if by_formula(scene) else None
+        _bases[key] = scene if has_formula(scene) else None
     return _bases[key]
 
 
-def by_formula(scene: Scene) -> bool:
+def has_formula(scene: Scene) -> bool:
     """Whether scenes that differ from this one in sizes, strain and angle have answers by one evaluation."""
     question_of(scene, "speed")
     return shares_law(scene) and not (scene.errors or scene.covariance or scene.auto_tolerance or scene.tip_radius_m)

@@ -23,6 +23,7 @@ from beadband.lammps.files import (
     REAR,
     SCRIPT,
     TABLE,
+    TOUCH,
     TRAJECTORY,
     refused,
     scratch,
@@ -31,11 +32,11 @@ from beadband.lammps.files import (
 
 SCENE = "scene.toml"
 RESULTS = "results.json"
-MEASURED = (SCENE, DATA, REAR, ENERGY, FINGER, HAND, HELD, TRAJECTORY)
+MEASURED = (SCENE, DATA, REAR, ENERGY, FINGER, HAND, HELD, TOUCH, TRAJECTORY)
 """Files from which results are made, as far as a run has them."""
 
 __all__ = ["DATA", "ENERGY", "FINGER", "HAND", "HELD", "LAUNCH_SCRIPT", "LEG_SCRIPT", "LOG", "PATH", "REAR", "SCRIPT"]
-__all__ += ["TABLE", "TRAJECTORY", "scratch", "write_text"]
+__all__ += ["TABLE", "TOUCH", "TRAJECTORY", "scratch", "write_text"]
 
 
 def create(out: str | os.PathLike[str]) -> Path:

@@ -11,7 +11,7 @@ import numpy as np
 
 from beadband.analysis.contact import LaunchMeasurement, crossings, measure_launch
 from beadband.analysis.energy import launch_balance
-from beadband.analysis.readers import Watch, read, read_watch
+from beadband.analysis.readers import Watch, read, read_overlaps, read_watch
 from beadband.errors import BeadbandError
 from beadband.lammps.engine import run_script
 from beadband.lammps.scripts import write_launch
@@ -64,7 +64,10 @@ def remeasure(folder: str | os.PathLike[str], reader: Reader = read) -> Launch:
     """Measure a launch again from the files in its folder; see :func:`beadband.runs.dispatch.analyze`."""
     path = files.require(folder, files.SCENE, files.REAR, files.FINGER, files.TRAJECTORY)
     stored, prints = unchanged(path)
-    plan = launch_plan_of(scene_of(read_scene(path / files.SCENE)))
+    # A scene that does not name it is older than the contact of the band with itself.
+    plan = launch_plan_of(scene_of({"self_contact": "off", **read_scene(path / files.SCENE)}))
+    if plan.self_contact is not None:
+        files.require(folder, files.TOUCH)
     clock = Clock()
     with clock.part("relax"):
         ring, support = plan.held()
@@ -123,9 +126,10 @@ def ended(plan: LaunchPlan, watch: Watch) -> Plan:
 
 
 def _launch_of(plan: LaunchPlan, watch: Watch) -> LaunchMeasurement:
-    band, step = plan.scene.band, plan.timestep_s
+    band, step, string = plan.scene.band, plan.timestep_s, plan.string
     mass = band.mass_per_length_kg_m * band.circumference_m
-    return measure_launch(watch, step, mass, plan.strand.spacing_m, plan.gap_margin_m, plan.idle_steps * step)
+    shape = 2.0 * string.tension_n, string.turning_1_s
+    return measure_launch(watch, step, mass, plan.strand.spacing_m, plan.gap_margin_m, plan.idle_steps * step, *shape)
 
 
 def _measured(
@@ -136,7 +140,8 @@ def _measured(
     measured = measure(release, reader(folder / files.REAR))
     whole = read(folder / files.TRAJECTORY)
     times = whole.times_s(plan.timestep_s)
-    crossed = next((float(t) for t, frame in zip(times, whole.positions_m, strict=True) if crossings(frame)), None)
+    crossed_s = times[[crossings(frame) > 0 for frame in whole.positions_m]]
+    overlaps = read_overlaps(folder / files.TOUCH) if plan.self_contact is not None else None
     hand = hand_run(folder, plan, ring, support, watch)
     tip = np.interp(watch.times_s(plan.timestep_s), measured.rear.times_s, measured.rear.tip_x_m)
     surface = support.centre_m - support.radius_m + (hand.path.x_m if hand else 0.0)
@@ -144,6 +149,6 @@ def _measured(
     return Launch(
         release, measured, estimates[0], budget_of(plan.scene, measured.fitted_speed_m_s.value), held=ring,
         energy=energy, folder=folder, launch_plan=plan, support=support, watch=watch,
-        found=_launch_of(plan, watch), clearance_m=surface - tip, crossed_s=crossed,
+        found=_launch_of(plan, watch), clearance_m=surface - tip, crossings_s=crossed_s, overlaps=overlaps,
         launch_estimate=estimates[1], hand=hand, **more,
     )  # fmt: skip

@@ -49,6 +49,7 @@ class MapPoint:
     pause_s: float | None = None
     """From the time when the string's finger is free, where the rear came before the measured one; mostly negative."""
     escape_speed_m_s: float | None = None
+    """R over the pause: a scale of speed."""
     centre_of_mass_speed_m_s: float | None = None
     """When the finger becomes free."""
     efficiency: float | None = None
@@ -105,10 +106,10 @@ def launch_point(point: MapPoint) -> MapPoint:
     string, radius = plan.string, scene.wedge.finger_radius_m
     pause, arrival = found.pause_s, found.rear_arrival_s
     speed = efficiency = reason = None
-    if found.free is not None:
+    if found.last_load is not None:
         # Where the rear comes first the finger has not given all of its impulse: there is no throw.
         times, mass = watch.times_s(plan.timestep_s), scene.band.mass_per_length_kg_m * scene.band.circumference_m
-        speed = float(np.interp(sum(found.free), times, watch.momentum_n_s)) / mass
+        speed = float(np.interp(found.last_load.value, times, watch.momentum_n_s)) / mass
         efficiency = 0.5 * mass * speed**2 / float(watch.stretching_j[0] + watch.bending_j[0])
     if arrival is None:
         reason = notice("no-arrival", value=plan.cap_s)
@@ -167,7 +168,7 @@ def write_map(points: Sequence[MapPoint], folder: Path) -> list[Path]:
 
 
 def summary(points: Sequence[MapPoint]) -> str:
-    """The map in a line for each band: the best throw, the slowest escape, and how many hit."""
+    """The map in a line for each band: the best throw, the least R/pause, and how many hit."""
     lines = []
     for band in dict.fromkeys(point.band for point in points):
         own = [point for point in points if point.band == band]
@@ -180,7 +181,7 @@ def summary(points: Sequence[MapPoint]) -> str:
             slow = min(thrown, key=lambda point: point.escape_speed_m_s or math.inf)
             text += (
                 f"; best throw {best.efficiency:.1%} at strain {best.strain:g}, {best.half_angle_deg:g} deg"
-                f"; easiest escape {slow.escape_speed_m_s or math.nan:.3g} m/s at strain {slow.strain:g}, "
+                f"; least R/pause {slow.escape_speed_m_s or math.nan:.3g} m/s at strain {slow.strain:g}, "
                 f"{slow.half_angle_deg:g} deg"
             )
         lines.append(text)

@@ -73,6 +73,10 @@ def test_the_answer_of_the_launch() -> None:
     assert band.section.width_m / figures["pause_s"].value == pytest.approx(1.5, abs=0.05)
     (touch,) = stays.found.touches
     assert abs(touch.impulse_n_s / stays.found.momentum_n_s) == pytest.approx(7e-3, abs=1e-3)
+    assert (touch.start_s, touch.end_s) == pytest.approx((3.93e-3, 4.20e-3), abs=0.03e-3)
+    assert 1e3 * stays.held_radius_m == pytest.approx(26.5, abs=0.05)
+    assert 1e3 * stays.scene.wedge.finger_radius_m == pytest.approx(25.8, abs=0.05)
+    assert stays.held_radius_m / figures["pause_s"].value == pytest.approx(25.0, abs=0.6)
     shares = {name: 100.0 * share for name, share in stays.shares.items()}
     stated = re.search(r"energy of Band III \(the finger stays\) is (.*?), each within", " ".join(LAUNCH.split()))
     assert stated
@@ -86,13 +90,14 @@ def test_the_answer_of_the_launch() -> None:
 @pytest.mark.parametrize("band", ["I", "II", "III"])
 def test_launches_of_the_table(band: str) -> None:
     """Band IV and the circular one take longer."""
-    beads, radius, free, arrival, pause, _, throw, clears, stays = table("All bands")[band]
+    beads, radius, free, last, arrival, pause, _, throw, clears, stays = table("All bands")[band]
     run, taken = launched(band), launched(band, "clears")
     assert int(beads) == run.plan.beads
     assert agrees(radius, 1e3 * run.held_radius_m)
     figures = run.figures
     for text, value in (
         (free, figures["finger_free_s"]),
+        (last, figures["last_load_s"]),
         (arrival, figures["rear_arrival_s"]),
         (pause, figures["pause_s"]),
     ):

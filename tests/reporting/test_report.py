@@ -136,7 +136,7 @@ def test_a_peg_is_drawn_where_it_held_the_band(tmp_path: Path) -> None:
     away = np.hypot(story.positions_m[0, :, 0] - 6e-3, story.positions_m[0, :, 1])
     assert (np.abs(away / 6e-3 - 1.0) < 1e-9).sum() >= 7
     told = stored(page.page(story))
-    assert told["peg"] == {"centre_m": 6e-3, "radius_m": 6e-3, "until_s": 0.0}
+    assert {"centre_m": 6e-3, "radius_m": 6e-3, "until_s": 0.0, "way_m": None}.items() <= told["peg"].items()
     for each in (story, replace(story, peg=None)):
         movie.film(each, tmp_path / f"{bool(each.peg)}.gif", 20, "curvature")
     assert (tmp_path / "True.gif").read_bytes() != (tmp_path / "False.gif").read_bytes()

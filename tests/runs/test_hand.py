@@ -1,4 +1,7 @@
-"""The hand that a launch moves: its limits, the string, a free oscillator, conservation, results, and refusals."""
+"""The hand that a launch moves: its limits, conservation, results, and refusals.
+
+Its motion under the string's force and as a free oscillator are rung ``hand`` of beadband.studies.verification.
+"""
 
 from __future__ import annotations
 
@@ -89,22 +92,6 @@ def test_a_massless_hand_on_a_spring_bears_the_quasi_static_force() -> None:
     assert means[0] == pytest.approx(means[1], abs=0.02 * hand.motion.preload_n)
 
 
-@pytest.mark.parametrize("law", ["linear", "mooney-rivlin"])
-def test_without_bending_the_hand_moves_as_under_the_strings_force(law: str) -> None:
-    """Two bodies and no spring: the hand's way, and speed and time of the hit.
-
-    The band touches the finger once more after its fronts have met, which the string does not: under 1 % of the
-    impulse.
-    """
-    values = {"law": law, "bending_scale": 1e-4, "beads": 400, "hand_mass_kg": 0.1}
-    plan, hand, _ = moved(**values)
-    times, string = hand.path.steps * plan.timestep_s, hit_by_string(plan.scene)
-    exact = hand_under_string(plan.scene, times)
-    assert np.abs(hand.path.x_m - exact).max() < 0.025 * exact[-1]
-    assert hand.found.hit_speed_m_s == pytest.approx(string.hit_speed_m_s, rel=5e-4)
-    assert hand.found.hit_s == pytest.approx(string.hit_s, rel=2e-3)
-
-
 def test_the_strings_hand_is_the_double_integral_of_its_force() -> None:
     scene = scene_of(FAST | {"hand_mass_kg": 0.02})
     times = np.linspace(0.0, 1.3 * string_launch(scene).finger_free_s, 4001)
@@ -116,22 +103,6 @@ def test_the_strings_hand_is_the_double_integral_of_its_force() -> None:
         scene.string.rear_speed_m_s - 2.0, rel=1e-9
     )
     assert hit_by_string(scene_of(FAST | {"hand_velocity_m_s": 20.0})).hit_s is None
-
-
-@pytest.mark.parametrize("damping", [0.0, 3.0, 60.0])
-def test_a_hand_that_is_free_is_an_oscillator(damping: float) -> None:
-    """After the last touch, without the band, the exact motion of mass, spring, damper and preload."""
-    mass, stiffness = 0.01, 2e4
-    plan, hand, watch = moved(hand_mass_kg=mass, hand_stiffness_n_m=stiffness, hand_damping_n_s_m=damping)
-    first = int(np.flatnonzero(np.abs(watch.mean_force_n) > 0.0)[-1]) + 1
-    assert len(watch.steps) - first > 20
-    path, times = hand.path, (hand.path.steps - hand.path.steps[first]) * plan.timestep_s
-    rest = hand.motion.preload_n / stiffness
-    roots = np.roots([mass, damping, stiffness]).astype(complex)
-    start = np.array([path.x_m[first] - rest, path.velocity_m_s[first]], dtype=complex)
-    parts = np.linalg.solve(np.array([[1.0, 1.0], roots]), start)
-    exact = rest + (parts @ np.exp(np.outer(roots, times))).real
-    assert np.abs(path.x_m - exact)[first:].max() < 1e-4 * np.ptp(path.x_m[first:])
 
 
 # Conservation.
@@ -169,7 +140,7 @@ def test_a_prescribed_velocity_is_kept_and_its_work_counts() -> None:
     assert hand.checks(1.0) == {}
     balance = launch_balance(watch, plan.timestep_s, hand.energy_j)
     assert np.ptp(balance.hand_j) > 0.04 * balance.stored_j
-    assert balance.error < 2e-3
+    assert balance.error < 4e-3  # its sudden start makes the band bounce on it, a few steps long
 
 
 # Measuring.
@@ -264,3 +235,14 @@ def test_other_commands_refuse_a_hand(capsys: pytest.CaptureFixture[str]) -> Non
     for command in (["ask"], ["sweep"], ["find", "strain", "--speed", "15"]):
         assert main([*command, "--hand-mass", "0.02"]) == 2
         assert "--hand-mass" in capsys.readouterr().err
+
+
+def test_a_hit_that_the_beads_decide_has_no_error(sprung: tuple[Launch, Path]) -> None:
+    from dataclasses import replace
+
+    done = sprung[0]
+    assert done.hand is not None
+    other = replace(done.hand.found, hit=False, hit_s=None, hit_speed_m_s=None)
+    unsure = replace(done, launch_estimate=replace(done.launch_estimate, hand=other))
+    assert unsure.hand_figures == {**done.hand.figures(160, None, 0.0)}
+    assert [one.code for one in unsure.hand.remarks((80, other))] == ["hand-hit", "hand-hit-unsure"]

@@ -138,11 +138,27 @@ def test_the_formula_of_a_strip_is_exact_for_one_and_for_many() -> None:
         ]
         assert found.value == pytest.approx(exact, rel=1e-9)
         assert set(np.asarray(found.model).tolist()) == {"formula"}
+    constants = np.array([1.5e5, 1.8e5, 2.2e5])
+    many = beadband.ask(shape="strip", strain=0.6, c10=constants, tolerance=1e-6)
+    each = [scene_of({"shape": "strip", "strain": 0.6, "c10_pa": c}).string.rear_speed_m_s for c in constants.tolist()]
+    assert many.value == pytest.approx(each, rel=1e-9)
     one = beadband.ask(shape="strip", law="linear", strain="0.4 +/- 0.01")
     assert one.value == pytest.approx(0.4 * scene_of({}).band.bar_speed_m_s, rel=1e-9)
     assert one.input_error == pytest.approx(0.025 * one.value, rel=1e-3)
     back = beadband.find("strain", speed=float(one.value), shape="strip", law="linear")
     assert back.value == pytest.approx(0.4, rel=1e-6)
+
+
+def test_errors_of_inputs_need_no_run_but_where_the_material_has_a_loss() -> None:
+    """V ~ strain sqrt(E/density) for the linear law: the derivatives are 1, 1/2 and -1/2, by formula and by runs."""
+    given = {"shape": "strip", "law": "linear", "beads": 60, "strain": "0.4 +/- 2%", "modulus_pa": "1.1e6 +/- 3%"}
+    for own, most in (({}, 0), ({"loss_time_s": 3e-5}, 8)):
+        run = beadband.run(scene_of({**given, **own, "density_kg_m3": "1300 +/- 2%"}))
+        assert run.inputs is not None
+        assert run.inputs.legs <= most
+        found = dict(zip(run.inputs.inputs.names, run.inputs.sensitivities.tolist(), strict=True))
+        expected = {"strain": 1.0, "modulus_pa": 0.5, "density_kg_m3": -0.5}
+        assert found == pytest.approx(expected, abs=0.02 if own else 1e-3)
 
 
 def test_a_permanent_set_ends_the_unloading_above_rest(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from beadband.errors import UsageError, explain
 from beadband.model.bands import known_values
 from beadband.model.scene import Scene, scene_of
 from beadband.model.uncertainty import inputs_of
-from beadband.parameters import PLANNED, TABLE, checked, key_of, parsed, uncertain
+from beadband.parameters import AUTO, PLANNED, TABLE, checked, key_of, parsed, uncertain
 
 Array = NDArray[np.float64]
 
@@ -68,6 +68,13 @@ class Range:
             text = f"{factor * self.low:.6g} to {factor * self.high:.6g}"
         return f"{text} {unit}".rstrip()
 
+    def shown(self, value: Any) -> str:
+        """One of its values as a person reads it."""
+        if isinstance(value, str):
+            return value
+        factor, unit = _SHOWN.get(TABLE[self.key].unit, (1.0, TABLE[self.key].unit))
+        return f"{factor * value:.6g} {unit}".rstrip()
+
     def as_dict(self) -> dict[str, Any]:
         """The range as JSON has it."""
         if self.words:
@@ -90,14 +97,14 @@ def varied(given: Mapping[str, Any]) -> list[Range]:
     return found
 
 
-def vary_of(texts: Sequence[str]) -> dict[str, str]:
-    """What several ``--vary NAME=RANGE`` give; UsageError for one that is no such text, or a name given twice."""
+def named(texts: Sequence[str], flag: str) -> dict[str, str]:
+    """What several ``--vary NAME=RANGE`` or ``--keep NAME=VALUE`` give; UsageError for other texts, or a name twice."""
     found: dict[str, str] = {}
     for text in texts:
         name, sign, value = text.partition("=")
         if not sign or name in found:
-            wrong = "an input is varied twice" if sign else "--vary names no range"
-            raise _wrong(wrong, repr(text), "NAME=LOW:HIGH, each name once", "correct it")
+            wrong = f"{flag} names one thing twice" if sign else f"{flag} names no value"
+            raise _wrong(wrong, repr(text), "NAME=VALUE, each name once", "correct it")
         found[name] = value
     return found
 
@@ -197,6 +204,8 @@ def box_of(values: Mapping[str, Any], ranges: Sequence[Range]) -> Box:
         if values.get(one.key) is not None:
             flag = TABLE[one.key].flag
             raise _wrong(f"{flag} is varied", f"{flag} {values[one.key]}", "a value or a range", f"leave {flag} out")
+    if values.get("tolerance") == AUTO:
+        raise _wrong("a study has one tolerance for all of its scenes", AUTO, "a number", "change --tolerance")
     scene = scene_of({**values, **chosen})
     keys = [one.key for one in ranges]
     ranges += [one for one in errors_of(scene) if one.key not in keys]

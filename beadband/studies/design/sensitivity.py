@@ -20,10 +20,9 @@ from beadband.errors import UsageError, explain
 from beadband.lammps.engine import Session
 from beadband.notices import Notice, notice
 from beadband.parameters import TABLE
-from beadband.runs.ask_many import TOO_MANY_RUNS
 from beadband.runs.folder import write_text
 from beadband.studies.design.ranges import Box, Range, box_of, spans, varied
-from beadband.studies.design.values import Quantity, evaluate, quantity_of
+from beadband.studies.design.values import TOO_MANY_RUNS, Quantity, evaluate, quantity_of
 from beadband.studies.samples import unit_points
 
 POINTS = 4096

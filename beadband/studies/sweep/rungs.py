@@ -15,12 +15,12 @@ from beadband import observables
 from beadband.analysis.fits import Measured
 from beadband.errors import BeadbandError, UsageError, explain
 from beadband.model.figures import figures
-from beadband.model.formula import STATED, VARIED, answered, formula, longest_held, scenes_of, varies_together
+from beadband.model.formula import STATED, VARIED, answered, formula, scenes_of, varies_together
 from beadband.model.scene import Scene, scene_of
 from beadband.model.string_arrays import arrays_of, string_limits
 from beadband.model.wedge import published_ratio, wave_speeds
 from beadband.parameters import TABLE
-from beadband.runs.ask_many import by_formula, kinds_among
+from beadband.runs.ask_many import has_formula, kinds_among
 from beadband.studies.sweep.grid import Grid, Values
 
 WAYS = ("cheapest", "runs")
@@ -130,7 +130,7 @@ def _first(scenes: Sequence[Values]) -> Scene | None:
     for values in scenes[:: -(-len(scenes) // _MOST_TRIES)]:
         try:
             scene = scene_of(dict(values))
-            return scene if scene.purpose == "speed" and by_formula(scene) else None
+            return scene if scene.purpose == "speed" and has_formula(scene) else None
         except BeadbandError:
             continue
     return None
@@ -188,5 +188,5 @@ def _found(scene: Scene, varied: Mapping[str, Any], speed: Measured) -> Any:
         measurement=SimpleNamespace(no_decay="answered by the formula, without a run"),
         curvature=None,
         late_speed_m_s=None,
-        design={**figures(scene, varied), "peak_strain": longest_held(scene.material) - 1.0},
+        design=figures(scene, varied),
     )

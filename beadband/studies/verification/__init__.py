@@ -16,7 +16,8 @@ def _rung(name: str, module: str) -> Callable[[], list[Check]]:
     """The function ``name`` of a module that is imported when the rung is run."""
 
     def run() -> list[Check]:
-        checks: list[Check] = getattr(import_module(f"beadband.studies.verification.{module}"), name)()
+        found = import_module(f"beadband.studies.verification.{module}")
+        checks: list[Check] = getattr(found, name.replace("-", "_"))()
         return checks
 
     run.__name__ = name
@@ -36,6 +37,9 @@ RUNGS: dict[str, Callable[[], list[Check]]] = {
         ("orders", "orders"),
         ("conservation", "conservation"),
         ("peg", "peg"),
+        ("self-contact", "self_contact"),
+        ("flight", "flight"),
+        ("hand", "hand"),
     )
 }
 """The rungs in the order in which they build on each other."""
