@@ -10,12 +10,13 @@ import os
 import pickle
 import signal
 import sys
+import threading
 import time
 import traceback
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib import import_module
 from itertools import islice
@@ -36,6 +37,8 @@ PATIENCE_S = 60.0
 """Seconds beyond the expected ones after which a worker counts as hung."""
 WORKER_DIED, WORKER_HUNG, RAISED = "worker-died", "worker-hung", "raised"
 """Codes of a task that was lost too often; the first also of an executor that broke."""
+_END_S = 10.0
+"""Seconds after which workers that are to end count as hung."""
 _MOST_LOSSES = 100
 """Chunks lost in a row, without one that came back, after which the engine itself counts as broken."""
 _LEAST_AHEAD = 64
@@ -84,7 +87,7 @@ class Engine:
     replaces: bool = False
     """Whether one that broke can be opened again."""
     kill: Callable[[Executor], None] | None = None
-    """Ends its workers, where that is the only way to be rid of a hung one."""
+    """Ends or restarts its workers, where that is the way to be rid of a hung one."""
 
 
 class _Here(Executor):
@@ -107,7 +110,15 @@ def here() -> Engine:
 def given(executor: Executor, workers: int | None) -> Engine:
     """An executor that stays open, of so many workers, None where it is not known."""
     known = workers or _workers_of(executor)
-    return Engine(lambda _: executor, lambda _: None, known or 1, max(_LEAST_AHEAD, 3 * (known or 1)))
+    ahead = max(_LEAST_AHEAD, 3 * (known or 1))
+    restart = _restart if hasattr(getattr(executor, "_client", None), "restart_workers") else None
+    return Engine(lambda _: executor, lambda _: None, known or 1, ahead, kill=restart)
+
+
+def _restart(executor: Any) -> None:
+    """Restart the workers of a Dask client, which would give tasks to a hung one for minutes yet."""
+    client = executor._client
+    client.restart_workers(list(client.nthreads()), raise_for_error=False)
 
 
 def _workers_of(executor: Any) -> int | None:
@@ -123,7 +134,7 @@ def processes(jobs: int) -> Engine:
     """Spawned processes of this machine."""
     # More threads than cores slow small systems down; a setting of the user's stays.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    return Engine(_spawned, lambda pool: pool.shutdown(cancel_futures=True), jobs, 2 * jobs, True, _kill)
+    return Engine(_spawned, _close, jobs, 2 * jobs, True, _kill)
 
 
 def _spawned(jobs: int) -> Executor:
@@ -134,18 +145,33 @@ def _spawned(jobs: int) -> Executor:
 class _Pool(ProcessPoolExecutor):
     """Processes that know whether they ever started."""
 
-    def __init__(self, *args: Any, **more: Any) -> None:
-        super().__init__(*args, **more)
-        self.first = self.submit(_started)
+    first: Future[None]
+
+    def start(self, function: Any) -> None:
+        """Hand out a first task, which fails only where the processes can't start; what others need is imported."""
+        self.first = self.submit(_started, function)
 
 
-def _started() -> None:
-    """The first task of a pool: it fails only where its processes can't start."""
+def _started(_: Any) -> None:
+    pass
+
+
+def _close(pool: Any) -> None:
+    """End the processes; those that have not ended by themselves after a while are killed: an idle one may hang too."""
+    late = threading.Timer(_END_S, _kill_these, [list((pool._processes or {}).values())])
+    late.daemon = True
+    late.start()
+    pool.shutdown(cancel_futures=True)
+    late.cancel()
+
+
+def _kill_these(processes: list[Any]) -> None:
+    for process in processes:
+        process.kill()
 
 
 def _kill(pool: Any) -> None:
-    for process in list((pool._processes or {}).values()):
-        process.kill()
+    _kill_these(list((pool._processes or {}).values()))
 
 
 _busy = _interrupted = False
@@ -181,6 +207,15 @@ _hung: list[Chunk] = []
 def left_behind() -> bool:
     """Whether workers of an executor hang, so that nothing is to wait for them."""
     return bool(_hung)
+
+
+def end(shutdown: Callable[[], object]) -> None:
+    """Shut an executor down, on another thread that is left to itself where a worker does not end."""
+    closing = threading.Thread(target=shutdown, daemon=True)
+    closing.start()
+    closing.join(_END_S)
+    if closing.is_alive():
+        _hung.append([])
 
 
 @dataclass
@@ -281,6 +316,7 @@ def _until_broken(
     out: dict[Future[Any], Chunk] = {}
     ahead = 1 if alone else engine.ahead
     if isinstance(executor, _Pool):
+        executor.start(function)
         executor.first.add_done_callback(clock.start)
     try:
         while True:
@@ -308,17 +344,23 @@ def _until_broken(
                 if isinstance(failure, BrokenExecutor) and engine.replaces:
                     ahead = 0
                 yield chunk, failure if failure is not None else late.result()
-            elif engine.kill is not None:
-                # All that is out breaks with it, and comes back so.
+                continue
+            if engine.kill is not None:
                 engine.kill(executor)
-            else:
+            # In a pool of processes all that is out breaks with them, and comes back so.
+            if not engine.replaces:
                 for future in late:
-                    future.cancel()
+                    _cancel(future)
                     clock.forget(future)
                     yield out.pop(future), TimeoutError()
     finally:
         for future in out:
-            future.cancel()
+            _cancel(future)
+
+
+def _cancel(future: Future[Any]) -> None:
+    with suppress(NotImplementedError):  # Parsl's can't be
+        future.cancel()
 
 
 def _call(engine: Engine, work: Work, function: Any, chunk: Chunk, lost: int) -> tuple[Any, ...]:
@@ -432,4 +474,4 @@ def engine_of(name: str | None) -> Iterator[Executor | None]:
     try:
         yield executor
     finally:
-        executor.shutdown(wait=not left_behind())
+        end(lambda: executor.shutdown(wait=not left_behind()))

@@ -178,7 +178,7 @@ def ranks() -> Iterator[Executor | None]:
         yield executor
     finally:
         if not engines.left_behind():
-            context.__exit__(None, None, None)
+            engines.end(lambda: context.__exit__(None, None, None))
 
 
 _turn = threading.RLock()

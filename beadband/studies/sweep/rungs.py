@@ -27,7 +27,7 @@ WAYS = ("cheapest", "runs")
 """Where the values of a sweep may come from: the formula where its error is within the tolerance, or releases alone."""
 LOOSE = 0.01
 """Tolerance from which on a sweep takes the cheapest way unless it is told another."""
-BLOCK = 4096
+BLOCK = 2048
 """Scenes that are looked at together. Blocks are the same however a sweep is run: a result may depend on its block in
 the last digit."""
 _MOST_TRIES = 64

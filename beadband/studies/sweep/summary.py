@@ -19,7 +19,7 @@ from beadband.observables import WAVES, Column
 from beadband.studies.sweep.columns import typed
 from beadband.studies.sweep.row import DONE, Row
 
-SHOWN = 4000
+SHOWN = 2000
 """Most rows in the pictures."""
 
 

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,7 @@ from beadband.studies.sweep.columns import typed
 from beadband.studies.sweep.row import Row
 
 PARQUET = "sweep.parquet"
-_BLOCK_BYTES = 1 << 22
-_GROUP_ROWS = 1 << 15
+_GROUP_ROWS = 1 << 10
 """Rows of a group in a Parquet file."""
 
 
@@ -114,21 +114,15 @@ def write_parquet(table: Path, columns: Sequence[Column]) -> Path:
     schema = arrow.schema(fields)
     path = table.with_name(PARQUET)
     partial = path.with_name(f".{PARQUET}.tmp")
-    batches = reading.open_csv(
-        table,
-        reading.ReadOptions(use_threads=False, block_size=_BLOCK_BYTES),
-        convert_options=reading.ConvertOptions(column_types=schema, strings_can_be_null=False, null_values=[""]),
-    )
+    types = reading.ConvertOptions(column_types=schema, strings_can_be_null=False, null_values=[""])
+    names = reading.ReadOptions(use_threads=False, column_names=schema.names)
     try:
-        with parquet.ParquetWriter(partial, schema) as writer:
-            waiting: list[Any] = []
-            for batch in batches:
-                waiting.append(batch)
-                if sum(map(len, waiting)) >= _GROUP_ROWS:
-                    writer.write_table(arrow.Table.from_batches(waiting, batch.schema).cast(schema))
-                    waiting = []
-            if waiting:
-                writer.write_table(arrow.Table.from_batches(waiting).cast(schema))
+        with open(table, "rb") as lines, parquet.ParquetWriter(partial, schema) as writer:
+            next(lines)
+            # The reader's own streaming reads far ahead: a row is a line, and lines are given in parts.
+            while some := b"".join(islice(lines, _GROUP_ROWS)):
+                part = reading.read_csv(arrow.BufferReader(some), names, convert_options=types)
+                writer.write_table(part.cast(schema))
         partial.replace(path)
     except OSError as error:
         raise refused(path, error) from error
