@@ -478,7 +478,8 @@ def text_of(values: Mapping[str, Any], key: str) -> str | None:
     one = next(one for one in _TABLE if one.key == key)
     value = get(values, key)
     if value is None:
-        return one.absent
+        section, _, _ = key.rpartition(".")
+        return one.absent if not section or get(values, section) is not None else None
     return None if one.kind == "object" else one.text(value, get(values, error_key(key)))
 
 

@@ -337,6 +337,7 @@ def test_command_line(stays: tuple[Launch, Path], capsys: pytest.CaptureFixture[
     said = capsys.readouterr().out
     for word in ("efficiency", "pause", "rebound speed V", "finger free"):
         assert word in said
+    assert "hit" not in said.replace("energy before the hit", "")  # that is said of a hand, and there is none
     assert main(["plot", folder]) == 0
     pictures = capsys.readouterr().out.split("\n")[:-1]
     assert [Path(path).name for path in pictures] == [
