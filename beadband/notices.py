@@ -86,6 +86,8 @@ SENTENCES: dict[str, str] = {
     "takes from the throw below {limit:.2g} % of its energy",
     "beads-for-speed": "{beads} beads: the moving rear is {rear_mm:.3g} mm long, and the rebound speed needs "
     "{value:.3g} beads in it for {limit:.2g} %",
+    "beads-for-peg": "{beads} beads: V depends on the peg, which needs beads every {value:.3g} mm round it; the moving "
+    "rear alone needs {for_speed}",
     "beads-for-hand": "{beads} beads: the peak force on the hand needs them",
     "tolerance-auto": "tolerance {value:.2g} %: a fifth of the error of V from the inputs, {limit:.2g} %; the "
     "usual 0.5 % would take {saved:.2g} times the beads for V",
@@ -109,6 +111,8 @@ SENTENCES: dict[str, str] = {
     "{angle:.3g} deg to the leg; by itself a point-held tip bends to {limit:.3g} mm",
     "peg-at-tip": "the peg of {radius_mm:.3g} mm radius touches the tip alone, which bends to {limit:.3g} mm by itself "
     "and is held as at a point",
+    "peg-unresolved": "the beads are {value:.3g} mm apart, too far for a peg of {radius_mm:.3g} mm radius, which needs "
+    "{limit:.3g} mm: the tip is held as at a point",
     "one-leg": "one leg, {bonds} of the {beads} bonds: the other is its mirror image, and what lies beyond "
     "{value:.2f} of the leg is outside the domain of dependence; no finger, no wrapped arc, no contact",
     "whole-ring": "the whole ring, because the trajectory is written; the beads on the finger stay where they are and "

@@ -75,7 +75,9 @@ class Observable:
     def text(self, value: Any, error: float | None) -> str:
         """Value and error as a person reads them."""
         unit = self.unit if self.shown is None else self.shown
-        if self.kind != "number":
+        if self.kind == "flag":
+            text = "yes" if value else "no"
+        elif self.kind != "number":
             text = str(value)
         elif error:
             from beadband.analysis.fits import Measured

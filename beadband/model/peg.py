@@ -22,6 +22,11 @@ from beadband.model.calibration import Strand
 from beadband.model.laws import Law
 from beadband.model.roots import root
 
+_WIDEST_STEP = 1.0
+"""Angle between neighbouring beads on a peg, rad, beyond which they are too far apart for it."""
+_SOFTEST = 0.8
+"""d ln stretch/d ln tension on the peg from which on beads must be closer: the tension of a bond at an angle d to the
+next is too high by d^2/8, and next to a tension peak that stretches it much."""
 _SMALL_ANGLE = 1e-3
 """Angle below which the released energy is its series: the difference of the two energies would lose its digits."""
 
@@ -38,6 +43,8 @@ class Peg:
     """Of the band on the peg."""
     wrapped_m: float
     """Reference length on the peg, from the tip to where one leg leaves it."""
+    widest_m: float
+    """Spacing of beads beyond which they are too far apart for the peg."""
 
     @property
     def curvature_1_m(self) -> float:
@@ -78,7 +85,10 @@ def peg_of(strand: Strand, strain: float, half_angle_rad: float, radius_m: float
 
     lift_off = root(surplus, 0.0, opening)
     stretch, _ = _excess(strand, strain, lift_off)
-    return Peg(radius_m, lift_off, stretch, radius_m * (opening - lift_off) / stretch)
+    law = strand.law
+    softness = float(law.stress(stretch)) / (stretch * float(law.tangent(stretch)))  # d ln stretch / d ln tension
+    widest = _WIDEST_STEP * min(1.0, _SOFTEST / softness) * radius_m / stretch
+    return Peg(radius_m, lift_off, stretch, radius_m * (opening - lift_off) / stretch, widest)
 
 
 def _excess(strand: Strand, strain: float, alpha: float) -> tuple[float, float]:

@@ -69,6 +69,8 @@ class Scales:
     which has neither, all of it."""
     remembered_m: float
     """Reference length over which the held tip is bent: what lies on its peg, and the bending layer."""
+    peg_share: float
+    """Radius of the peg over the way of a kink up to the front's arrival, r/(k1 t_f); 0 without one."""
     tip_sharpness: float
     """Curvature times half thickness at the held tip: on a peg that of the peg; at a point from the elastica,
     2 sin((pi/2 - phi)/2)/l h/2."""
@@ -89,11 +91,13 @@ def scales_of(scene: Scene) -> Scales:
     # Behind a fan the material is slower, over the speed of the foremost point.
     kink_way = wedge.reference_leg_m * scene.strain * sine / (1.0 - sine) * string.wave.mean_speed_ratio
     way = wedge.leg_m / math.cos(phi) - wedge.finger_radius_m
-    peg, thickness, wrapped = scene.peg, scene.band.thickness_m, 0.0
+    peg, thickness, wrapped, share = scene.peg, scene.band.thickness_m, 0.0, 0.0
     if peg is None:
         sharpness = math.sin((math.pi / 2.0 - phi) / 2.0) * thickness / layer if layer > 0.0 else math.inf
     else:
         wrapped, sharpness = peg.wrapped_m, 0.5 * peg.curvature_1_m * thickness
+        kink = math.sqrt(string.residual_stress_pa * (1.0 + string.residual_strain) / scene.band.density_kg_m3)
+        share = peg.radius_m / (kink * arrival)
         # The straight part between peg and finger is that much shorter, and the way with it.
         way *= 1.0 - math.pi * peg.radius_m / (wedge.leg_m * (1.0 + math.tan(phi) * (math.pi / 2.0 + phi)))
     return Scales(
@@ -104,6 +108,7 @@ def scales_of(scene: Scene) -> Scales:
         kink_way_m=kink_way,
         rear_length_m=wedge.reference_leg_m if scene.is_strip else kink_way + BENDING_SPREAD * spread,
         remembered_m=layer + wrapped,
+        peg_share=share,
         tip_sharpness=sharpness,
         rear_arrival_share=way / string.rear_speed_m_s / arrival,
         window=_similarity_window(scene, layer + wrapped, diffusivity, arrival),

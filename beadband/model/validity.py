@@ -140,12 +140,8 @@ def _bending(scene: Scene) -> list[Notice]:
     scales, band, wedge = scene.scales, scene.band, scene.wedge
     if scales.tip_sharpness > SHARPEST:
         found.append(notice("sharp-tip", value=scales.tip_sharpness, limit=SHARPEST))
-    peg, string = scene.peg, scene.string
-    if peg is not None:
-        kink = math.sqrt(string.residual_stress_pa * (1.0 + string.residual_strain) / band.density_kg_m3)
-        share = peg.radius_m / (kink * scales.front_arrival_s)
-        if share > LARGE_PEG:
-            found.append(notice("large-peg", value=share, limit=LARGE_PEG))
+    if scales.peg_share > LARGE_PEG:
+        found.append(notice("large-peg", value=scales.peg_share, limit=LARGE_PEG))
     wrapped = 0.5 * held_thickness_m(scene) / wedge.finger_radius_m
     if wrapped > SHARPEST:
         found.append(notice("thick-on-finger", value=wrapped, limit=SHARPEST))

@@ -37,6 +37,10 @@ _SEVERAL_PARTS, _ONE_PART, _SECOND_ORDER = 0.22, 0.1, 2.45
 
 _FIT_ERROR = 0.012
 
+_PEG_SPACING = 0.45
+"""Spacing over the widest that a peg allows: half as many beads resolve it still."""
+_PEG_MATTERS = 1.5
+
 _STEP_S = 10e-6
 _BEAD_STEP_S = 0.17e-6
 _FRAME_NUMBER_S = 0.6e-6
@@ -134,6 +138,18 @@ def curvature_spacing_m(scene: Scene) -> float:
     """Spacing at which the tip curvature is as good as the tolerance asks; of the second order in the spacing."""
     finer = math.sqrt(scene.tolerance / TOLERANCE_OF_SPACING)
     return min(CURVATURE_SPACING * finer, _WIDEST_SPACING) * scene.scales.bending_layer_m
+
+
+def peg_spacing_m(scene: Scene) -> float:
+    """Spacing that the peg needs; inf where V depends on it by less than a quarter of the tolerance, or there is none.
+
+    A peg of the share s = r/(k1 t_f) up to 0.3 changes V by at most 0.1 s^2 (Bands I to III, both laws, half-angles of
+    8, 14 and 22 degrees).
+    """
+    peg, scales = scene.peg, scene.scales
+    if peg is None or scales.peg_share <= _PEG_MATTERS * math.sqrt(scene.tolerance):
+        return math.inf
+    return _PEG_SPACING * peg.widest_m
 
 
 def seconds(model: str, beads: int, steps: int, frames: int) -> float:

@@ -67,6 +67,9 @@ _CURVATURE_NOISE, _CURVATURE_DRIFT = 0.010, 0.006
 """The same of the windowed tip curvature with one bead to the bending layer; both fall with the second order."""
 _RING_COARSENESS = 1.6
 """Errors of a ring, which turns its tip at one bead, over those of a leg."""
+_PEG_COARSENESS = 2.0
+"""Errors of scenes with a peg, on which bead after bead comes to lie, over those of others: 1.2 to 2.4 at the spacings
+of answers to 0.5 and 0.2 % (70 random scenes)."""
 _LEG_ERRORS = {"cut": 1.6e-4, "whole": 7e-5}
 _LEG_SPREAD, _LEG_POWER = 0.09, 2.3
 _MODEL_SHARE = {"cut": 0.35, "whole": 0.5}
@@ -128,6 +131,7 @@ class Question:
         """Beads of the coarsest level."""
         scene, length = self.scene, self.scene.band.circumference_m
         fewest = [FEWEST_LEG_BONDS * length / scene.wedge.reference_leg_m, 24.0]
+        fewest.append(0.5 * length / error_curves.peg_spacing_m(scene))
         if self.quantity == "speed":
             fewest.append(2.0 * error_curves.LEAST_RESOLUTION * length / scene.scales.rear_length_m)
         else:
@@ -155,7 +159,8 @@ class Question:
         alike = _ALIKE * np.exp(-0.5 * apart**2) + (1.0 - _ALIKE) * np.eye(len(beads))
         smooth, higher = errors.smooth * coarse**self.order, errors.higher * coarse ** (self.order + 1.0)
         found = np.outer(smooth, smooth) + np.outer(higher, higher) + np.outer(noise, noise) * alike
-        return np.asarray((_RING_COARSENESS**2 if self.model == "ring" else 1.0) * found, dtype=np.float64)
+        worse = (_RING_COARSENESS if self.model == "ring" else 1.0) * (_PEG_COARSENESS if scene.peg else 1.0)
+        return np.asarray(worse**2 * found, dtype=np.float64)
 
     def limit(self, beads: Array, values: Array, known: tuple[float, float] | None = None) -> Limit:
         """What levels with so many beads say, finest first; ``known`` is the formula's value and standard error."""

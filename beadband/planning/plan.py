@@ -177,7 +177,8 @@ def plan_of(scene: Scene, model: str = "ring", smooth: bool = True) -> Plan:
     if model != "strip":
         reasons.append(_bending_reason(scene))
     if scene.tip_radius_m:
-        reasons.append(_peg_reason(scene))
+        reasons.append(_peg_reason(scene, strand.spacing_m))
+        warnings += [one for one in reasons[-1:] if one.code == "peg-unresolved" and scene.beads is not None]
     reasons += law_reasons(scene)
     reasons.append(
         {
@@ -242,7 +243,8 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
     length, rear = scene.band.circumference_m, scene.scales.rear_length_m
     needed = error_curves.beads_for(scene, model)
     fewest = FEWEST_STRIP_BONDS if model == "strip" else FEWEST_LEG_BONDS * length / scene.wedge.reference_leg_m
-    wanted = max(needed, fewest, FEWEST_BEADS)
+    for_peg = length / error_curves.peg_spacing_m(scene)
+    wanted = max(needed, fewest, FEWEST_BEADS, for_peg)
     layer = scene.scales.bending_layer_m
     if scene.purpose == "curvature" and layer > 0.0:
         spacing = error_curves.curvature_spacing_m(scene)
@@ -269,6 +271,9 @@ def _choose_beads(scene: Scene, model: str, reasons: list[Notice], warnings: lis
             notice("speed-needs-more-beads", value=wanted, tolerance=100.0 * scene.tolerance, limit=MOST_PLANNED_BEADS)
         )
     beads = round_up(min(wanted, MOST_PLANNED_BEADS))
+    if wanted == for_peg:
+        reasons.append(notice("beads-for-peg", beads=beads, value=1e3 * length / beads, for_speed=round_up(needed)))
+        return beads
     code = "beads-for-strip" if model == "strip" else "beads-for-speed"
     value, limit = needed * rear / length, 100.0 * scene.tolerance
     reasons.append(notice(code, beads=beads, rear_mm=rear * 1e3, value=value, limit=limit))
@@ -330,12 +335,14 @@ def _bending_reason(scene: Scene) -> Notice:
     )
 
 
-def _peg_reason(scene: Scene) -> Notice:
+def _peg_reason(scene: Scene, spacing_m: float) -> Notice:
     """How the peg holds the tip."""
     own = own_radius_m(scene.strand(1), scene.strain, scene.half_angle_rad)
     given, peg = {"radius_mm": scene.tip_radius_m * 1e3, "limit": own * 1e3}, scene.peg
     if peg is None:
         return notice("peg-at-tip", **given)
+    if spacing_m > peg.widest_m:
+        return notice("peg-unresolved", value=spacing_m * 1e3, **given | {"limit": peg.widest_m * 1e3})
     share = peg.wrapped_m / scene.wedge.reference_leg_m
     return notice("on-peg", value=share, angle=math.degrees(peg.lift_off_rad), **given)
 

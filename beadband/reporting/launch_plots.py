@@ -23,9 +23,10 @@ _SAND = "#efe6d5"
 def draw(done: Launch, ring: Trajectory, folder: str | os.PathLike[str], style: Style = SCREEN) -> list[Path]:
     """Write pictures of shapes, finger, clearance and energy, and an overview, into the folder; return their paths."""
     scene = done.plan.scene
-    title = f"{title_of(scene)}, {done.plan.beads} beads: the finger {scene.finger}"
+    moves = "moves" if done.hand else scene.finger
+    title = f"{title_of(scene)}, {done.plan.beads} beads: the finger {moves}"
     panels: Panels = {
-        "shapes": lambda axes: shapes(axes, done, ring),
+        "shapes": lambda axes: _shapes(axes, done, ring),
         "finger": lambda axes: finger(axes, done),
         "clearance": lambda axes: clearance(axes, done),
         "energy": lambda axes: energy(axes, done),
@@ -33,6 +34,20 @@ def draw(done: Launch, ring: Trajectory, folder: str | os.PathLike[str], style: 
     if done.flight is not None:
         panels["flight"] = lambda axes: flight(axes, done)
     return draw_panels(panels, title, folder, style)
+
+
+def _shapes(axes: Any, done: Launch, ring: Trajectory) -> None:
+    """The shapes of the band; a finger that moves also where it ends, with a star where it is hit."""
+    shapes(axes, done, ring)
+    if done.hand is None:
+        return
+    from matplotlib.patches import Circle
+
+    support, way = done.support, done.hand.found.displacement_m
+    x, radius = 1e3 * (support.centre_m + way), 1e3 * support.radius_m
+    axes.add_patch(Circle((x, 0.0), radius, fill=False, edgecolor=ORANGE, linestyle="--"))
+    if done.hand.found.hit:
+        axes.plot(x - radius, 0.0, marker="*", markersize=12, color=ORANGE)
 
 
 def _pause(axes: Any, done: Launch) -> None:
@@ -74,6 +89,10 @@ def clearance(axes: Any, done: Launch) -> None:
     speed = done.centre_speed_m_s
     _pause(axes, done)
     axes.plot(times, done.clearance_m * 1e3, color=BLUE, linewidth=1.2, label="rear to finger (left)")
+    if done.hand is not None:
+        axes.plot(
+            times, done.hand.path.x_m * 1e3, color=BLUE, linewidth=1.0, linestyle=":", label="way of the hand (left)"
+        )
     axes.axhline(0.0, color=GREY, linewidth=0.5)
     axes.set(xlabel="time (ms)", ylabel="clearance (mm)", title="clearance and flight", xlim=(0.0, times[-1]))
     right = axes.twinx()

@@ -198,7 +198,7 @@ def _beside_exact(name: str, scale: float) -> Callable[[Mapping[str, Any]], str 
 
 def _shares_text(values: Mapping[str, Any]) -> str | None:
     shares = values["launch"].get("shares")
-    return shares and ", ".join(f"{share:.1%} {name}" for name, share in shares.items())
+    return shares and ", ".join(f"{share:z.1%} {name}" for name, share in shares.items())
 
 
 def _inputs_text(values: Mapping[str, Any]) -> str | None:

@@ -32,8 +32,9 @@ from beadband.statics.ring import Ring
 _FIGURES = ("hit_speed_m_s", "peak_force_n", "impulse_n_s", "displacement_m", "velocity_m_s")
 """Figures that have an error; the last two none where the velocity is prescribed."""
 
-_RINGING = 0.003
-"""What the ringing nose leaves in the speed of a hit with planned beads, over it; 0.1 to 0.4 % of finite elements'."""
+_LEAST = dict(zip(_FIGURES, (0.003, 0.005, 0.004, 0.005, 0.005), strict=True))
+"""Relative errors that two launches can miss, for they may agree by chance: nose and contact ring. With planned beads
+the figures are off those of finite elements by up to 0.2, 0.9, 0.7 and 1.7 %, in the order above."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class HandRun:
             value, other = found[name], coarse and getattr(coarse[1], name)
             if value is not None and other is not None and coarse is not None:
                 spacing = 1.0 / np.array([beads, coarse[0]])
-                least = math.hypot(floor, _RINGING if name == "hit_speed_m_s" else 0.0) * abs(value)
+                least = math.hypot(floor, _LEAST[name]) * abs(value)
                 found[name] = Measured(value, plain_error(spacing, np.array([value, other]), least))
         return found
 

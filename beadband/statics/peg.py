@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from beadband.errors import RunError, explain
 from beadband.model.angle_forms import QUARTIC
 from beadband.model.peg import Peg
 from beadband.statics.chain import Array, solve_blocks
@@ -42,22 +43,28 @@ class PegLeg(NamedTuple):
 
 
 def peg_leg(request: LegRequest, peg: Peg | None, tip: tuple[float, float] = LEG_TIP) -> PegLeg:
-    """Solve for the leg on a peg, or held at a point; RunError when it does not settle.
+    """Solve for the leg on a peg, or held at a point, also where the beads are too far apart for the peg.
+
+    RunError when it does not settle.
 
     ``tip`` is :data:`LEG_TIP` for a leg that is released by itself, :data:`RING_TIP` for the tip of a ring.
     """
+    if peg is not None and request.strand.spacing_m > peg.widest_m:
+        peg = None
     shape = _Shape(request, peg, tip)
     if peg is None:
         return PegLeg(shape.leg(shape.settled(1), 1), 1)
     count = min(1 + math.floor(peg.wrapped_m / request.strand.spacing_m), request.bonds - 1)
     unknown = shape.settled(count)
-    inside = shape.overlaps(unknown, count)
-    while inside and count < request.bonds - 1:
-        count += 1
-        unknown = shape.settled(count, unknown)
-        if not shape.overlaps(unknown, count):
-            break
-    while not inside and count > 1:
+    if shape.overlaps(unknown, count):
+        while shape.overlaps(unknown, count):
+            if count == request.bonds - 1:
+                allowed = "some beyond the peg"
+                raise RunError(explain("the leg ends on its peg", f"{request.bonds} bonds", allowed, "raise --beads"))
+            count += 1
+            unknown = shape.settled(count, unknown)
+        return PegLeg(shape.leg(unknown, count), count)
+    while count > 1:
         fewer = shape.settled(count - 1, unknown)
         if shape.overlaps(fewer, count - 1):
             break
@@ -89,18 +96,17 @@ class _Shape:
     def start(self, count: int, near: Array | None) -> Array:
         """Unknowns to begin with: of beads without end, or those ``near`` with one bead more or less on the circle.
 
-        A bond whose upper bead goes onto the circle, or off it, keeps its direction.
+        A bead that goes onto the circle does so along its radius; a bond that leaves it keeps its direction.
         """
         if near is None:
             return np.concatenate([self.step * np.arange(1, count), self.free[count - 1 :]])
-        last = count - 2 if self.on_circle < count else count - 1  # the unknown that changes its meaning
-        sum_of_angles = math.pi - 2.0 * self.phi
-        below = near[last - 1] if last else 0.0
-        at = near.copy()
-        if self.on_circle < count:
-            at[last] = sum_of_angles - 2.0 * near[last] - below
+        at, more = near.copy(), self.on_circle < count
+        last = count - 2 if more else count - 1  # the unknown that changes its meaning
+        if more:
+            x, y = self.leg(near, self.on_circle).positions_m[last + 1]
+            at[last] = math.atan2(y, self.radius * self.request.strand.spacing_m - x)
         else:
-            at[last] = 0.5 * (sum_of_angles - near[last] - below)
+            at[last] = math.pi / 2.0 - self.phi - 0.5 * (near[last] + (near[last - 1] if last else 0.0))
         return at
 
     def settled(self, count: int, near: Array | None = None) -> Array:
@@ -119,6 +125,16 @@ class _Shape:
         unknown, error = damped_newton(self.start(count, near), lambda at: self.imbalance(at, count), step, _GOAL)
         if not error <= BOUND:
             raise no_equilibrium(error)
+        if (self.request.strand.law.tangent(self.chords(unknown, count)) <= 0.0).any():
+            raise RunError(
+                explain(
+                    "the band on its peg is stretched past its tension peak",
+                    f"{count} beads on the peg",
+                    "more of them, which share the turning",
+                    "raise --beads",
+                ),
+                "no-equilibrium",
+            )
         self.on_circle = count
         return unknown
 
@@ -158,7 +174,7 @@ class _Shape:
         law, r, half = self.request.strand.law, self.radius, 0.5 * np.diff(theta)
         diagonal, beside = np.zeros(len(at)), np.zeros(len(at))
         if chords:
-            stretch = 2.0 * r * np.sin(half)
+            stretch = self.chords(at, count)
             pull = law.stress(stretch) / self.held_pa
             force = pull * r * np.cos(half)
             stiff = law.tangent(stretch) / self.held_pa * (r * np.cos(half)) ** 2 - 0.5 * pull * r * np.sin(half)
@@ -173,6 +189,13 @@ class _Shape:
         gradient[chords:] += free * np.sin(alpha)
         diagonal[chords:] += free * np.cos(alpha) - self.held_pa / law.tangent(free) * np.sin(alpha) ** 2
         return gradient, turns, self.weight * curve, diagonal, beside
+
+    def chords(self, at: Array, count: int) -> Array:
+        """Stretches of the bonds between beads on the circle."""
+        stretch: Array = (
+            2.0 * self.radius * np.sin(0.5 * np.diff(at[: count - 1], prepend=0.0)) if count > 1 else at[:0]
+        )
+        return stretch
 
     def free_stretches(self, alpha: Array) -> Array:
         """Stretches of free bonds by their angles to the leg's line."""

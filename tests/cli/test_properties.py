@@ -57,6 +57,7 @@ scenes = st.fixed_dictionaries(
         "bending_scale": st.one_of(st.just(0.0), st.floats(1e-6, 100.0)),
         "bending_modulus": st.sampled_from(words_of("bending_modulus")),
         "loss_time_s": st.one_of(st.just(0.0), st.floats(1e-9, 1e-2)),
+        "tip_radius_m": st.one_of(st.just(0.0), st.floats(1e-5, 2e-2)),
         "beads": st.integers(1, 3000),
         "frames": st.integers(1, 500),
     },
@@ -123,7 +124,7 @@ def test_a_ring_is_held_or_refused(values: dict[str, Any], beads: int) -> None:
     except BeadbandError:
         return
     assert np.isfinite(ring.positions_m).all()
-    assert ring.net_force < 1e-8
+    assert ring.net_force < (1e-8 if scene.peg is None else 1e-5)
     mirrored = ring.positions_m[1:][::-1] * np.array([1.0, -1.0])
     assert np.abs(mirrored - ring.positions_m[1:]).max() < 1e-12 * scene.band.circumference_m
 

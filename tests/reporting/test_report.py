@@ -321,6 +321,41 @@ def test_an_mp4_without_ffmpeg_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_hand_moves_its_finger_and_the_hit_is_marked(
+    told: Story, results: dict[str, Any], default_run: tuple[Run, Path], tmp_path: Path
+) -> None:
+    """Its way at the frames, in story, page and movie; the star at the surface is in the last frame alone."""
+    from PIL import Image
+
+    felt = {"hit": True, "hit_s": 0.0046, "hit_speed_m_s": 17.2}
+    ends = told.times_s[[0, -1]].tolist()
+    series = {**LAUNCH["series"], "t_s": [ends[0], *ends, ends[1]], "hand_x_m": [0.0, 0.0, 0.02, 0.02]}
+    changed = {**results, "launch": {**LAUNCH, "series": series, "hand": felt}}
+    story = tell(changed, told.times_s, told.positions_m, default_run[0].energy, "hand")
+    still = told.finger
+    assert story.finger.at(0) == still.centre_m
+    assert story.finger.at(story.frames - 1) == pytest.approx(still.centre_m + 0.02)
+    assert story.finger.reach_m() == pytest.approx((still.reach_m()[0], still.reach_m()[1] + 0.02))
+    assert "hits the hand at 17.2 m/s" in story.headline
+    assert "hand_x_m" in [chart.key for chart in story.charts]
+    drawn = stored(page.page(story))["finger"]
+    assert (drawn["way_m"][0], drawn["way_m"][-1], drawn["hit_s"]) == (0.0, 0.02, 0.0046)
+    keep = [0, 1, -1]
+    short = replace(
+        story,
+        **{name: getattr(story, name)[keep] for name in ("times_s", "positions_m", "stretch", "curvature_1_m")},
+        finger=replace(story.finger, way_m=story.finger.way_m[keep]),
+    )
+    movie.film(short, tmp_path / "x.gif", 20, "curvature")
+    with Image.open(tmp_path / "x.gif") as film:
+        stars = []
+        for frame in range(3):
+            film.seek(frame)
+            red, green, blue = np.moveaxis(np.asarray(film.convert("RGB"), dtype=int)[:400], 2, 0)
+            stars.append(int(((red > 180) & (green < 120) & (blue < 60)).sum()))
+    assert stars[2] > stars[1] + 40
+
+
 def test_a_withdrawn_finger_leaves_the_movie(launched: Story, tmp_path: Path) -> None:
     from PIL import Image
 

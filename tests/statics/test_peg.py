@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from beadband.errors import UsageError
+from beadband.errors import RunError, UsageError
 from beadband.lammps.engine import Session, load
 from beadband.lammps.scripts import write_ring
 from beadband.model.peg import own_radius_m
@@ -119,6 +119,27 @@ def test_lammps_feels_the_same_equilibrium(tmp_path: Path, monkeypatch: pytest.M
     assert on_peg.sum() >= 3
     turned = force[on_peg, 0] * outward[on_peg, 1] - force[on_peg, 1] * outward[on_peg, 0]
     assert np.abs(turned).max() < 1e-8 * ring.tension_n * 2e-3
+
+
+def test_a_leg_that_ends_on_its_peg_is_refused() -> None:
+    scene = scene_of({"tip_radius_m": 8e-3})
+    with pytest.raises(RunError, match="ends on its peg"):
+        peg_leg(LegRequest(scene.strand(1000), 20, scene.strain, scene.half_angle_rad), scene.peg)
+
+
+def test_beads_too_far_apart_hold_the_tip_as_at_a_point() -> None:
+    plan = planned(2e-3, 120)
+    assert "peg-unresolved" in {one.code for one in plan.warnings}
+    point = hold_leg(planned(0.0, 120)).positions_m[:20]
+    assert hold_leg(plan).positions_m[:20] == pytest.approx(point, abs=1e-8)
+    # Its own plan has beads for the peg, next to a tension peak too; the coarse run has as many as are needed.
+    for values in ({"tip_radius_m": 2e-3}, {"tip_radius_m": 7e-3, "band": "IV", "strain": 0.95, "half_angle_deg": 6.0}):
+        plan = plan_of(scene_of({**values, "for": "speed"}), "leg")
+        assert plan.scene.peg is not None
+        assert 2.0 * plan.strand.spacing_m < plan.scene.peg.widest_m
+        assert plan.reasons[0].code == "beads-for-peg"
+        bonds = np.hypot(*np.diff(hold_leg(plan).positions_m, axis=0).T) / plan.strand.spacing_m
+        assert bonds.max() < 1.02 * (1.0 + plan.scene.strain)
 
 
 def test_legs_that_are_straight_nowhere_are_refused() -> None:

@@ -1,6 +1,6 @@
 """What docs/peg.md says of tips held by pegs, measured: some minutes on one core.
 
-python tests/validation/peg.py [shapes|limits|ladder|heldout|ring|catalogue]
+python tests/validation/peg.py [shapes|limits|ladder|bars|heldout|ring|catalogue]
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from beadband.analysis.fits import Array, hann_mean
+from beadband.errors import UsageError
 from beadband.lammps.engine import Session
 from beadband.model.peg import own_radius_m
 from beadband.model.scene import Scene, scene_of
@@ -97,6 +98,42 @@ def ladder() -> None:
                 )
 
 
+def bars() -> None:
+    """Answers and runs of random scenes against the limit of legs of 1200 and 2400 beads: how often the bar holds."""
+    rng, found = np.random.default_rng(7), {"ask, 0.5 %": [], "ask, 0.2 %": [], "run, 0.5 %": []}
+    with Session() as session:
+        while len(found["run, 0.5 %"]) < 60:
+            values = {
+                "band": ("I", "II", "III", "IV")[rng.integers(4)],
+                "law": ("mooney-rivlin", "linear")[rng.integers(2)],
+                "strain": float(rng.uniform(0.15, 1.0)),
+                "half_angle_deg": float(rng.uniform(6.0, 26.0)),
+                "tip_radius_m": float(rng.uniform(0.5e-3, 9e-3)),
+                "for": "speed",
+            }
+            try:
+                scene = scene_of(values)
+            except UsageError:
+                continue  # too much of it on the peg
+            if scene.peg is None:
+                continue
+            plans = (plan_of(scene.with_beads(beads), "leg") for beads in (1200, 2400))
+            coarse, fine = (follow_rear(plan, session).fitted_speed_m_s.value for plan in plans)
+            true = fine + (fine - coarse) / (1.0 if scene.string.wave.shocks else 3.0)
+            for share in (0.005, 0.002):
+                answer = ask(replace(scene, tolerance=share), session=session)
+                found[f"ask, {share:.1%}".replace("%", " %")].append((abs(answer.value - true), answer.error, true))
+            speed = rear_run(plan_of(scene, "leg"), session).speed
+            found["run, 0.5 %"].append((abs(speed.value - true), speed.error, true))
+    print("| | within its bar | largest error over the bar | median error | median bar |\n|---|---|---|---|---|")
+    for name, rows in found.items():
+        off, bar, true = np.array(rows).T
+        print(
+            f"| {name} | {(off <= bar).sum()} of {len(off)} | {(off / bar).max():.2f} | {np.median(off / true):.3%} | "
+            f"{np.median(bar / true):.2%} |"
+        )
+
+
 def by_elements(scene: Scene) -> tuple[float, float]:
     """V by finite elements from their own held shape, carried on to no spacing, and what that adds."""
     coarse, fine = (answer_of(scene, FiniteElements().run(scene, count)).speed_m_s for count in (80, 160))
@@ -169,7 +206,15 @@ def catalogue() -> None:
             )
 
 
-PARTS = {"shapes": shapes, "limits": limits, "ladder": ladder, "heldout": heldout, "ring": ring, "catalogue": catalogue}
+PARTS = {
+    "shapes": shapes,
+    "limits": limits,
+    "ladder": ladder,
+    "bars": bars,
+    "heldout": heldout,
+    "ring": ring,
+    "catalogue": catalogue,
+}
 
 if __name__ == "__main__":
     for name in sys.argv[1:] or PARTS:
