@@ -153,7 +153,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     sweep.add_argument("--seed", metavar="S", type=int, help="seed of the draws (with --random; default: 0)")
     sweep.add_argument(
-        "--by", metavar="WAY", help="cheapest: the formula where it will do; runs: none (default: by the tolerance)"
+        "--by", metavar="WAY", help="cheapest (default): the formula where it will do; runs: every scene is released"
     )
     sweep.add_argument("--parquet", action="store_true", help="write sweep.parquet too (needs pyarrow)")
     sweep.add_argument(

@@ -16,7 +16,7 @@ from beadband.model import correction
 from beadband.model.laws import Law
 from beadband.model.scales import FORGOTTEN_AFTER, WINDOW_BEFORE
 from beadband.model.scene import Scene
-from beadband.model.string_arrays import arrays_of, softens, string_limits, strip_speeds
+from beadband.model.string_arrays import arrays_of, softens, string_limits, strip_limits
 from beadband.model.validity import check_validity
 from beadband.parameters import Parameter
 
@@ -51,7 +51,7 @@ def formula(scene: Scene, quantity: str, varied: Mapping[str, Any] | None = None
     """
     law, given = scenes_of(scene, varied or {})
     if scene.is_strip:
-        exact = strip_speeds(law, given["density_kg_m3"], given["strain"])
+        exact = strip_limits(law, given["density_kg_m3"], given["strain"]).rear_speed_m_s
         return Formula(exact, (_EXACT if quantity == "speed" else math.inf) * exact)
     numbers, speed = _numbers(scene, law, given)
     shape = speed.shape

@@ -78,15 +78,20 @@ def string_limits(law: Law, density_kg_m3: Any, strain: Any, half_angle_rad: Any
     return StringLimits(behind, stress, speed / root, front / root, mean)
 
 
-def strip_speeds(law: Law, density_kg_m3: Any, strain: Any) -> Array:
-    """Recoil speeds of strips, m/s: :func:`beadband.model.wedge.strip_limit` for arrays as of :func:`string_limits`."""
+def strip_limits(law: Law, density_kg_m3: Any, strain: Any) -> StringLimits:
+    """Exact releases of strips: :func:`beadband.model.wedge.strip_limit` for arrays as of :func:`string_limits`."""
     density, strains = np.broadcast_arrays(*(np.asarray(one, dtype=np.float64) for one in (density_kg_m3, strain)))
+    shape, root = strains.shape, np.sqrt(density)
     held, (law, turn) = 1.0 + strains.ravel(), _flat(law, strains)
+    behind = np.full_like(held, law.unstressed_stretch)
     if turn is None or (held.size == 1 and not arrays_of(law)):
-        speed = np.array([strip_limit(law, 1.0, one).rear_speed_m_s for one in strains.ravel().tolist()])
+        single = [strip_limit(law, 1.0, one) for one in strains.ravel().tolist()]
+        speed, front = (np.array([getattr(one, f"{name}_speed_m_s") for one in single]) for name in ("rear", "front"))
     else:
-        speed = _Waves(law, held, turn).unloaded_to(np.full_like(held, law.unstressed_stretch))[0]
-    return np.asarray(speed.reshape(strains.shape) / np.sqrt(density), dtype=np.float64)
+        speed, _, front = _Waves(law, held, turn).unloaded_to(behind)
+    mean = speed / (front * (held - behind))
+    behind, speed, front, mean = (one.reshape(shape) for one in (behind, speed, front, mean))
+    return StringLimits(behind - 1.0, np.zeros(shape), speed / root, front / root, mean)
 
 
 def _flat(law: Law, strains: Array) -> tuple[Law, float | None]:

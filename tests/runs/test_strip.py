@@ -266,3 +266,4 @@ def test_a_sweep_takes_strips_beside_rings() -> None:
     strips = done["shape"] == "strip"
     bar = scene_of({}).band.bar_speed_m_s
     assert done["rebound_speed_m_s"][strips] == pytest.approx(bar * done["strain"][strips], rel=1e-5)
+    assert done["ratio_front_horizontal"][strips] == pytest.approx(done["published_ratio"][strips], rel=1e-9)

@@ -294,7 +294,7 @@ def test_scenes_beyond_the_formula_are_released_or_refused(cheap: Swept) -> None
     assert set(cheap.summary["status"]) == {"done", "refused"}
     assert all("too wide" in row["reason"] for row in cheap if row["status"] == "refused")
     assert all(row["model"] != "formula" for row in beadband.sweep(strain="0.3,0.4", loss_time=1e-5, tolerance=0.02))
-    assert all(row["model"] != "formula" for row in beadband.sweep(strain="0.3,0.4"))
+    assert all(row["model"] != "formula" for row in beadband.sweep(strain="0.3,0.4", by="runs"))
     with pytest.raises(UsageError, match="--by"):
         beadband.sweep(strain=0.4, by="guess")
 

@@ -22,7 +22,7 @@ from pathlib import Path
 from beadband.lammps.engine import program
 
 SWEEP = [sys.executable, "-m", "beadband", "sweep"]
-FLAGS = ["--band", "I,II,III,IV", "--strain", "0.1:1.4:6", "--half-angle", "6:26:3"]
+FLAGS = ["--band", "I,II,III,IV", "--strain", "0.1:1.4:6", "--half-angle", "6:26:3", "--by", "runs"]
 FLAGS += ["--law", "mooney-rivlin,linear", "--hang-after", "8"]
 ENGINES = {
     "processes": [*SWEEP, "--jobs", "2"],

@@ -66,8 +66,8 @@ def sweep(
     random, seed, sample
         Draw so many scenes instead of the whole grid: "random" ones, a "latin-hypercube", or Sobol' points, "sobol".
     by
-        "runs" releases every scene. "cheapest" leaves to the formula of :func:`beadband.ask` what it answers within
-        the tolerance, and releases the rest. None is "cheapest" for scenes with a tolerance of 1 % or more.
+        "cheapest", also None, leaves to the formula of :func:`beadband.ask` what it answers within the tolerance, and
+        releases the rest. "runs" releases every scene.
     jobs
         Number of processes; None for one per core. A script that asks for more than one needs the usual
         ``if __name__ == "__main__"``.

@@ -17,7 +17,7 @@ from beadband.errors import BeadbandError, UsageError, explain
 from beadband.model.figures import figures
 from beadband.model.formula import STATED, VARIED, answered, formula, scenes_of, varies_together
 from beadband.model.scene import Scene, scene_of
-from beadband.model.string_arrays import arrays_of, string_limits
+from beadband.model.string_arrays import arrays_of, string_limits, strip_limits
 from beadband.model.wedge import published_ratio, wave_speeds
 from beadband.parameters import TABLE
 from beadband.runs.ask_many import has_formula, kinds_among
@@ -25,8 +25,6 @@ from beadband.studies.sweep.grid import Grid, Values
 
 WAYS = ("cheapest", "runs")
 """Where the values of a sweep may come from: the formula where its error is within the tolerance, or releases alone."""
-LOOSE = 0.01
-"""Tolerance from which on a sweep takes the cheapest way unless it is told another."""
 BLOCK = 2048
 """Scenes that are looked at together. Blocks are the same however a sweep is run: a result may depend on its block in
 the last digit."""
@@ -74,7 +72,7 @@ class Rungs:
         known, columns = np.zeros(len(scenes), dtype=bool), dict[str, NDArray[Any]]()
         asked = [one.get("tolerance", TABLE["tolerance"].default) for one in scenes]
         tolerance = np.array([one if isinstance(one, float) else 0.0 for one in asked])
-        if self._by == "runs" or (self._by is None and tolerance.max() < LOOSE):
+        if self._by == "runs":
             return Block(first, scenes, known, columns)
         constants = [key for key in scenes[0] if key == STATED or TABLE[key].section == "law"]
         varied = {
@@ -102,10 +100,7 @@ class Rungs:
             if len(chosen) == 0:
                 continue
             value, error = (np.broadcast_to(one, chosen.shape) for one in formula(base, "speed", own))
-            allowed = tolerance[chosen]
-            good = error <= allowed * np.abs(value)
-            if self._by is None:
-                good &= allowed >= LOOSE
+            good = error <= tolerance[chosen] * np.abs(value)
             speed: Any = Measured(value, error)  # type: ignore[arg-type]
             row = _row(base, own, speed)
             if row is None:
@@ -169,7 +164,7 @@ def _found(scene: Scene, varied: Mapping[str, Any], speed: Measured) -> Any:
     """What a :class:`beadband.runs.results.RearRun` has, as far as there is any of it without a run; arrays."""
     law, given = scenes_of(scene, varied)
     density, strain, phi = (given[key] for key in ("density_kg_m3", "strain", "half_angle_rad"))
-    string = string_limits(law, density, strain, phi)
+    string = strip_limits(law, density, strain) if scene.is_strip else string_limits(law, density, strain, phi)
     band: Any = SimpleNamespace(
         bar_speed_m_s=np.sqrt(given.get(STATED, scene.band.modulus_pa) / density),
         rest_speed_m_s=np.sqrt((law.tangent(1.0) if arrays_of(law) else scene.band.rest_modulus_pa) / density),
